@@ -1,0 +1,1 @@
+"""The forward model: light becomes DN through a chain of effects, written once."""

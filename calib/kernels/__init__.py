@@ -1,0 +1,1 @@
+"""The few compiled loops; everything else is NumPy and SciPy."""

@@ -1,0 +1,1 @@
+"""AgCam's calibration: dark offset, vignette, responsivity, radiance and its uncertainty."""

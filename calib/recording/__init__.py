@@ -1,0 +1,1 @@
+"""The recording: its file, its commit record, salvage, import and export, statistics."""

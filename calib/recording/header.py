@@ -1,0 +1,82 @@
+"""What a recording says about itself: the camera, the source, and each block's conditions.
+
+The names are those of `recording.toml` and `conditions.csv`, the folder in which recordings
+are interchanged. Unknown keys are kept (`model_extra`) and reported, never silently dropped.
+"""
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+TapLayout = Literal["single", "odd_even", "halves", "quarters", "quadrants"]
+BlockKind = Literal["dark", "flat", "scene"]
+
+
+class _Header(BaseModel):
+    model_config = ConfigDict(extra="allow", frozen=True, allow_inf_nan=False)
+
+
+class CameraHeader(_Header):
+    """The camera and how it was set for the whole recording."""
+
+    model: str = ""
+    serial: str = ""
+    columns: int = Field(gt=0)
+    rows: int | None = Field(default=None, gt=0)
+    """Area sensors only."""
+    bit_depth: int = Field(ge=8, le=16)
+    """Codes run 0 .. 2**bit_depth - 1."""
+    gain_db: float = 0.0
+    black_level_dn: float = 0.0
+    taps: int = Field(default=1, ge=1)
+    tap_layout: TapLayout = "single"
+    readout: Literal["left", "right", "both"] = "left"
+    line_period_us: float | None = Field(default=None, gt=0)
+    band: str = ""
+    started_at: datetime | None = None
+    dtype: str | None = None
+    """Of headerless .raw frames, e.g. "<u2"."""
+
+    @property
+    def full_scale_dn(self) -> int:
+        """The highest code."""
+        return (1 << self.bit_depth) - 1
+
+
+class SourceHeader(_Header):
+    """The light."""
+
+    kind: Literal["sphere", "led", "lamp", "none"] = "none"
+    lamps: int = Field(default=1, ge=0)
+    radiance_unit: str = "1"
+    wavelength_nm: float | None = Field(default=None, gt=0)
+    photons_per_pixel_per_us: float | None = Field(default=None, gt=0)
+    """At level 1."""
+
+
+class Block(_Header):
+    """One block: lines or frames taken under the same conditions. None is unknown, not 0."""
+
+    block: str
+    kind: BlockKind
+    exposure_us: float = Field(gt=0)
+    level: float = Field(default=0.0, ge=0)
+    started_s: float | None = None
+    sensor_temperature_c: float | None = None
+    lines: int | None = Field(default=None, ge=1)
+    """Lines, or frames of an area sensor."""
+    radiance: float | None = Field(default=None, ge=0)
+    """Nominal, as the certificate says, in the source's `radiance_unit`."""
+    monitor: float | None = None
+    """The monitor photodiode's current, A."""
+    scene: str | None = None
+    """Names a radiance image under `scenes/`."""
+
+
+class RecordingHeader(_Header):
+    """Everything about a recording but its frames; `blocks` in the order of acquisition."""
+
+    camera: CameraHeader
+    source: SourceHeader = SourceHeader()
+    blocks: tuple[Block, ...] = ()

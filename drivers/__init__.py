@@ -1,0 +1,1 @@
+"""Devices behind small protocols: blocking, one owner, one lock each."""

@@ -1,0 +1,105 @@
+"""The world that simulated devices share: what burns, since when, and whether the lens is capped.
+
+Emulated lamps write it, the simulated camera and the monitor read it, from any process: it is a
+small memory-mapped file. A lamp's emission approaches its target exponentially, as a filament
+warms: e(t) = target + (start - target) exp(-(t - since) / tau), relative to its nominal radiance.
+"""
+
+import fcntl
+import mmap
+import struct
+import time
+from dataclasses import dataclass
+from math import exp
+from pathlib import Path
+
+_HEADER = struct.Struct("<qqdd")  # sequence, n_lamps, capped, sensor temperature
+_LAMP = struct.Struct("<dddd")  # start, target, since, tau
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """One lamp's way to its target; times on the system-wide monotonic clock, in seconds."""
+
+    start: float = 0.0
+    target: float = 0.0
+    since_s: float = 0.0
+    tau_s: float = 0.0
+
+    def emission(self, at_s: float) -> float:
+        """Relative emission at the monotonic time `at_s`."""
+        if self.tau_s <= 0 or at_s <= self.since_s:
+            return self.start if at_s < self.since_s else self.target
+        return self.target + (self.start - self.target) * exp(-(at_s - self.since_s) / self.tau_s)
+
+
+@dataclass(frozen=True)
+class WorldState:
+    """A consistent snapshot."""
+
+    lamps: tuple[Lamp, ...]
+    capped: bool
+    sensor_temperature_c: float
+
+    def emissions(self, at_s: float | None = None) -> tuple[float, ...]:
+        """Relative emission of each lamp, now or at the monotonic time `at_s`."""
+        now = time.monotonic() if at_s is None else at_s
+        return tuple(lamp.emission(now) for lamp in self.lamps)
+
+
+class World:
+    """Writers take turns by a lock on the file; readers retry while a write is under way."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._file = path.open("r+b")
+        self._map = mmap.mmap(self._file.fileno(), 0)
+
+    @classmethod
+    def create(cls, path: Path, n_lamps: int, *, sensor_temperature_c: float = 25.0) -> "World":
+        """Make a dark, uncapped world with `n_lamps` at `path`."""
+        body = _HEADER.pack(0, n_lamps, 0.0, sensor_temperature_c)
+        path.write_bytes(body + _LAMP.pack(0.0, 0.0, 0.0, 0.0) * n_lamps)
+        return cls(path)
+
+    def state(self) -> WorldState:
+        """Return a consistent snapshot."""
+        for _ in range(1000):
+            data = bytes(self._map)
+            sequence, n_lamps, capped, temperature = _HEADER.unpack_from(data)
+            if sequence % 2 == 0 and _HEADER.unpack_from(self._map)[0] == sequence:
+                break
+            time.sleep(1e-4)
+        lamps = tuple(
+            Lamp(*_LAMP.unpack_from(data, _HEADER.size + i * _LAMP.size)) for i in range(n_lamps)
+        )
+        return WorldState(lamps, capped > 0, temperature)
+
+    def drive(self, lamp: int, target: float, *, tau_s: float = 0.0) -> None:
+        """Send `lamp` from where it is now towards `target`."""
+        now = time.monotonic()
+        start = self.state().lamps[lamp].emission(now)
+        self._write(_HEADER.size + lamp * _LAMP.size, _LAMP.pack(start, target, now, tau_s))
+
+    def cap(self, capped: bool) -> None:
+        """Put the cap on the lens, or take it off."""
+        self._write(16, struct.pack("<d", float(capped)))
+
+    def warm(self, sensor_temperature_c: float) -> None:
+        """Set the sensor's temperature."""
+        self._write(24, struct.pack("<d", sensor_temperature_c))
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._map.close()
+        self._file.close()
+
+    def _write(self, offset: int, data: bytes) -> None:
+        fcntl.lockf(self._file, fcntl.LOCK_EX)
+        try:
+            sequence = struct.unpack_from("<q", self._map)[0]
+            struct.pack_into("<q", self._map, 0, sequence + 1)
+            self._map[offset : offset + len(data)] = data
+            struct.pack_into("<q", self._map, 0, sequence + 2)
+        finally:
+            fcntl.lockf(self._file, fcntl.LOCK_UN)

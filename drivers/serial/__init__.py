@@ -1,0 +1,1 @@
+"""Controllers on a serial line: one link, one file per controller."""

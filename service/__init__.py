@@ -1,0 +1,1 @@
+"""Sequencer, store, API and command line: where the parts are joined."""

@@ -1,0 +1,1 @@
+"""Tests; `tests/contracts` holds what every device promises."""
