@@ -1,0 +1,87 @@
+"""Writing so that nothing half-written is ever seen under its final name."""
+
+import errno
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from calib.errors import DarkflatError, InputError
+
+_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+
+
+class DiskFullError(DarkflatError):
+    """The disk took no more; what was acknowledged before stays."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(
+            f"no space left to write {path}: free some, then start again (or resume)",
+            code="disk-full",
+        )
+
+
+def is_disk_full(error: OSError) -> bool:
+    """Tell whether `error` means a full disk; HDF5 names the errno in its text alone."""
+    in_text = re.search(r"errno = (\d+)", str(error))
+    return error.errno in _FULL or (in_text is not None and int(in_text[1]) in _FULL)
+
+
+@contextmanager
+def disk_errors(path: Path) -> Iterator[None]:
+    """Turn the system's answers about `path` into one sentence: full, or not to be written."""
+    try:
+        yield
+    except OSError as error:
+        if is_disk_full(error):
+            raise DiskFullError(path) from error
+        raise DarkflatError(
+            f"cannot write {path}: {error.strerror or error}", code="cannot-write"
+        ) from error
+
+
+def partial_path(path: Path) -> Path:
+    """Where `path` is written before it gets its name: the same folder, hidden."""
+    return path.with_name(f".partial-{path.name}")
+
+
+def refuse_existing(*paths: Path) -> None:
+    """Raise InputError `output-exists` when one of `paths` is there already."""
+    for path in paths:
+        if path.exists():
+            raise InputError(
+                f"{path} exists already: name another output, or move it away",
+                code="output-exists",
+            )
+
+
+def sync(path: Path) -> None:
+    """Return once the contents of the file or folder `path` are on the disk itself."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+@contextmanager
+def new_folder(path: Path) -> Iterator[Path]:
+    """Give an empty folder that becomes `path` when all went well, and vanishes when not."""
+    if path.is_dir() and not any(path.iterdir()):
+        path.rmdir()
+    refuse_existing(path)
+    partial = partial_path(path)
+    try:
+        with disk_errors(path):
+            shutil.rmtree(partial, ignore_errors=True)
+            partial.mkdir(parents=True)
+            yield partial
+            for each in sorted(partial.rglob("*")):
+                sync(each)
+            partial.rename(path)
+            sync(path.parent)
+    finally:
+        with suppress(FileNotFoundError):
+            shutil.rmtree(partial)
