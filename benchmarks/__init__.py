@@ -1,0 +1,1 @@
+"""How fast the hot loops are, beside NumPy, a peer and the machine's limit, in one run."""
