@@ -1,0 +1,1 @@
+"""Plans: what to measure, in which order, and under which conditions to go on."""

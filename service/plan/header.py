@@ -1,0 +1,61 @@
+"""The recording header that a plan stands for."""
+
+from datetime import datetime
+from math import ceil
+from typing import Any
+
+from calib.recording.header import Block, CameraHeader, RecordingHeader, SourceHeader
+from service.plan.model import Plan
+
+
+def recording_header(
+    plan: Plan,
+    *,
+    columns: int,
+    blocks: tuple[Block, ...] = (),
+    model: str = "",
+    serial: str = "",
+    started_at: datetime | None = None,
+    **provenance: Any,
+) -> RecordingHeader:
+    """Return the header; the plan itself and its digest are part of it.
+
+    Args:
+        plan: What is measured.
+        columns: How many the camera really reads out.
+        blocks: Those that are already known.
+        model: What the camera says of itself; the plan's own text goes before it.
+        serial: Likewise.
+        started_at: UTC; block times count from it.
+        provenance: More keys for the header, e.g. the camera's features.
+    """
+    camera = plan.camera
+    kept: dict[str, Any] = {
+        "plan": plan.model_dump(mode="json"),
+        "plan_sha256": plan.digest(),
+        **provenance,
+    }
+    return RecordingHeader(
+        camera=CameraHeader(
+            model=camera.model or model,
+            serial=camera.serial or serial,
+            columns=columns,
+            bit_depth=camera.bit_depth,
+            gain_db=camera.gain_db,
+            black_level_dn=camera.black_level_dn,
+            taps=camera.taps,
+            tap_layout=camera.tap_layout,
+            line_period_us=camera.line_period_us,
+            band=camera.band,
+            started_at=started_at,
+        ),
+        source=_source(plan),
+        blocks=blocks,
+        **kept,
+    )
+
+
+def _source(plan: Plan) -> SourceHeader:
+    known = plan.source.model_dump(exclude={"radiance", "lamps"})
+    lamps = plan.source.lamps if plan.source.lamps is not None else ceil(max(plan.levels()))
+    return SourceHeader(lamps=lamps, **known)

@@ -1,0 +1,24 @@
+"""How the lamps are held between blocks."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from service.plan.part import PlanPart
+
+LampMode = Literal["keep", "off_between_blocks"]
+
+
+class LampUse(PlanPart):
+    """Lamps age by hours and by cycles; which of the two to spare depends on the level."""
+
+    mode: LampMode = "keep"
+    """`keep`: they burn on, behind the cap of a dark too. `off_between_blocks`: off after each."""
+    per_level: dict[float, LampMode] = Field(default_factory=dict)
+    """The mode of single levels, e.g. `{ 6 = "off_between_blocks" }`."""
+    ramp_s: float = Field(default=2.0, ge=0)
+    """What a change of level takes; for the time estimate only."""
+
+    def mode_at(self, level: float) -> LampMode:
+        """Return how lamps are held after a block at `level`."""
+        return self.per_level.get(level, self.mode)
