@@ -1,0 +1,178 @@
+"""Starts and stops a simulated GigE Vision camera in a process of its own."""
+
+import queue
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Self
+
+from drivers.errors import DeviceError
+
+
+class SimulatedCameraProcess:
+    """A context manager: the camera answers at `address` inside the block, and is gone after it.
+
+    It dies with this process, too: its standard input is a pipe that only this process holds.
+
+    Args:
+        model: A model file, or the name of a preset.
+        world: The file of the simulated world (`drivers.mock.world`).
+        serial: The serial number that the camera tells.
+        interface: The address it answers at; it must be one of this machine's own.
+        seed: Of the noise; None takes one from the system.
+        wait_s: How long to wait for an address that another simulated camera occupies.
+        ready_within_s: Deadline for its start, the compilation of the kernels included.
+    """
+
+    def __init__(
+        self,
+        model: Path | str,
+        world: Path,
+        *,
+        serial: str = "SIM1",
+        interface: str = "127.0.0.1",
+        seed: int | None = None,
+        wait_s: float = 0.0,
+        ready_within_s: float = 120.0,
+    ) -> None:
+        self.address = interface
+        self._arguments = [
+            *("--model", str(model)),
+            *("--world", str(world)),
+            *("--serial", serial),
+            *("--interface", interface),
+            *("--wait", str(wait_s)),
+            *(() if seed is None else ("--seed", str(seed))),
+        ]
+        self._deadline_s = ready_within_s + wait_s
+        self._process: subprocess.Popen[str] | None = None
+        self._reader: threading.Thread | None = None
+        self._errors: IO[str] | None = None
+        self._answers: queue.Queue[str] = queue.Queue()
+
+    def start(self) -> Self:
+        """Start the camera; return once it answers.
+
+        Raises:
+            DeviceError: Code `simulated-camera-failed`, with what it said, when it does not start.
+        """
+        self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115  lives as long as the process
+        self._answers = queue.Queue()
+        self._process = subprocess.Popen(  # noqa: S603  our own module
+            [sys.executable, "-m", "drivers.aravis.simulated", *self._arguments],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._errors,
+            text=True,
+            bufsize=1,
+        )
+        self._reader = threading.Thread(
+            target=_forward_lines, args=(self._process.stdout, self._answers), daemon=True
+        )
+        self._reader.start()
+        if self._answer(self._deadline_s) != "ready":
+            said = self._said()
+            self.kill()
+            raise self._error(f"did not start: {said or 'it said nothing'}")
+        return self
+
+    def lose_packets(self, ratio: float) -> None:
+        """Fault: lose this share of the packets from now on, at random; 0 mends it."""
+        self._tell(f"lose {ratio}")
+
+    def stall(self) -> None:
+        """Fault: answer, but send no frames any more, until `resume`."""
+        self._tell("stall")
+
+    def resume(self) -> None:
+        """Send frames again."""
+        self._tell("resume")
+
+    def hang(self) -> None:
+        """Fault: stop answering at all, without dying, until `wake`."""
+        self._signal(signal.SIGSTOP)
+
+    def wake(self) -> None:
+        """Go on after `hang`."""
+        self._signal(signal.SIGCONT)
+
+    def kill(self) -> None:
+        """Fault: die at once, as a camera does that is unplugged."""
+        if self._process is not None:
+            self._process.kill()
+            self._release()
+
+    def stop(self) -> None:
+        """End the camera in an orderly way; safe to call twice."""
+        if self._process is None:
+            return
+        if self._process.stdin is not None:
+            self._process.stdin.close()
+        self.wake()
+        try:
+            self._process.wait(5.0)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+        self._release()
+
+    def __enter__(self) -> Self:
+        return self.start()
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.stop()
+
+    def _tell(self, command: str) -> None:
+        if self._process is None or self._process.stdin is None:
+            raise self._error("is not running")
+        self._process.stdin.write(command + "\n")
+        self._process.stdin.flush()
+        if self._answer(5.0) != "ok":
+            raise self._error(f"did not obey `{command}`: {self._said()}")
+
+    def _answer(self, timeout_s: float) -> str:
+        try:
+            return self._answers.get(timeout=timeout_s)
+        except queue.Empty:
+            return ""
+
+    def _said(self) -> str:
+        if self._errors is None:
+            return ""
+        self._errors.seek(0)
+        return self._errors.read().strip()
+
+    def _signal(self, number: signal.Signals) -> None:
+        if self._process is None:
+            raise self._error("is not running")
+        self._process.send_signal(number)
+
+    def _release(self) -> None:
+        if self._process is None:
+            return
+        self._process.wait()
+        if self._reader is not None:
+            self._reader.join()
+        for stream in (self._process.stdin, self._process.stdout, self._errors):
+            if stream is not None:
+                stream.close()
+        self._process = None
+
+    def _error(self, what: str) -> DeviceError:
+        device = f"simulated camera at {self.address}"
+        return DeviceError(f"{device} {what}", device=device, code="simulated-camera-failed")
+
+
+def _forward_lines(stream: IO[str] | None, to: "queue.Queue[str]") -> None:
+    """Hand on each line, then an empty one when the process has closed its end."""
+    for line in stream or ():
+        to.put(line.strip())
+    to.put("")

@@ -1,0 +1,79 @@
+"""The sensor inside every simulated camera: the forward model, looking at the simulated world."""
+
+import numpy as np
+from numpy.random import Generator
+
+from calib.arrays import RawLines
+from calib.forward.conditions import Conditions
+from calib.forward.model import Model
+from drivers.mock.world import World
+from drivers.ports import CameraSettings, PixelFormat
+
+_FORMAT_BITS: dict[PixelFormat, int] = {
+    "Mono8": 8,
+    "Mono10": 10,
+    "Mono12": 12,
+    "Mono12Packed": 12,
+    "Mono12p": 12,
+    "Mono14": 14,
+    "Mono16": 16,
+}
+
+
+def aligned(dn: RawLines, adc_bits: int, pixel_format: PixelFormat) -> RawLines:
+    """Return the ADC's codes as `pixel_format` carries them: the most significant bits agree.
+
+    A format with fewer bits than the ADC drops the least significant ones; one with more has
+    zeros there, so that full scale stays full scale.
+
+    Args:
+        dn: Codes, (n_lines, n_columns), 0 .. 2**adc_bits - 1.
+        adc_bits: Bits of the ADC.
+        pixel_format: The format to carry them in.
+
+    Returns:
+        (n_lines, n_columns), uint8 for Mono8, else uint16; a new array unless nothing changes.
+    """
+    bits = _FORMAT_BITS[pixel_format]
+    dtype = np.uint8 if bits == 8 else np.uint16
+    if bits == adc_bits:
+        return dn.astype(dtype, copy=False)
+    if bits < adc_bits:
+        return (dn >> np.uint8(adc_bits - bits)).astype(dtype)
+    return dn.astype(dtype) << dtype(bits - adc_bits)
+
+
+class VirtualSensor:
+    """Draw frames of `model` under the light of `world`, afresh each time."""
+
+    def __init__(self, model: Model, world: World, rng: Generator) -> None:
+        self.model = model
+        self.world = world
+        self._rng = rng
+
+    def expose(self, settings: CameraSettings, started_s: float) -> RawLines:
+        """Expose one frame whose first line starts `started_s` after the camera's clock did.
+
+        Returns:
+            Codes of the pixel format's bit depth, (frame_lines, n_columns).
+        """
+        at = self.conditions(settings, started_s)
+        dn = self.model.draw(at, self._rng).dn
+        first = settings.first_column
+        region = dn[:, first : first + settings.n_columns]
+        return aligned(region, self.model.camera.bit_depth, settings.pixel_format)
+
+    def conditions(self, settings: CameraSettings, started_s: float) -> Conditions:
+        """Return the conditions of that frame: the camera's settings, and the world as it is."""
+        world = self.world.state()
+        return Conditions.steady(
+            settings.frame_lines,
+            exposure_us=settings.exposure_us,
+            line_period_us=settings.line_period_us,
+            started_s=started_s,
+            lamps=world.emissions(),
+            capped=world.capped,
+            sensor_temperature_c=world.sensor_temperature_c,
+            gain_db=settings.gain_db,
+            black_level_dn=settings.black_level_dn,
+        )
