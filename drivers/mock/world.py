@@ -9,9 +9,12 @@ import fcntl
 import mmap
 import struct
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import exp
 from pathlib import Path
+from threading import Lock
 
 _HEADER = struct.Struct("<qqdd")  # sequence, n_lamps, capped, sensor temperature
 _LAMP = struct.Struct("<dddd")  # start, target, since, tau
@@ -48,10 +51,14 @@ class WorldState:
 
 
 class World:
-    """Writers take turns by a lock on the file; readers retry while a write is under way."""
+    """Writers take turns by a lock on the file; readers retry while a write is under way.
+
+    The file's lock keeps processes apart (and Worlds opened twice in one), `_writing` threads.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self._writing = Lock()
         self._file = path.open("r+b")
         self._map = mmap.mmap(self._file.fileno(), 0)
 
@@ -59,47 +66,64 @@ class World:
     def create(cls, path: Path, n_lamps: int, *, sensor_temperature_c: float = 25.0) -> "World":
         """Make a dark, uncapped world with `n_lamps` at `path`."""
         body = _HEADER.pack(0, n_lamps, 0.0, sensor_temperature_c)
-        path.write_bytes(body + _LAMP.pack(0.0, 0.0, 0.0, 0.0) * n_lamps)
+        part = path.with_name(f".{path.name}.part")
+        part.write_bytes(body + _LAMP.pack(0.0, 0.0, 0.0, 0.0) * n_lamps)
+        part.replace(path)
         return cls(path)
 
     def state(self) -> WorldState:
         """Return a consistent snapshot."""
         for _ in range(1000):
             data = bytes(self._map)
-            sequence, n_lamps, capped, temperature = _HEADER.unpack_from(data)
+            sequence = _HEADER.unpack_from(data)[0]
             if sequence % 2 == 0 and _HEADER.unpack_from(self._map)[0] == sequence:
                 break
             time.sleep(1e-4)
-        lamps = tuple(
-            Lamp(*_LAMP.unpack_from(data, _HEADER.size + i * _LAMP.size)) for i in range(n_lamps)
-        )
-        return WorldState(lamps, capped > 0, temperature)
+        else:
+            raise OSError(f"{self.path}: a writer died in the middle of a write; make it anew")
+        return self._unpack(data)
 
     def drive(self, lamp: int, target: float, *, tau_s: float = 0.0) -> None:
         """Send `lamp` from where it is now towards `target`."""
-        now = time.monotonic()
-        start = self.state().lamps[lamp].emission(now)
-        self._write(_HEADER.size + lamp * _LAMP.size, _LAMP.pack(start, target, now, tau_s))
+        with self._exclusively():
+            now = time.monotonic()
+            start = self._unpack(bytes(self._map)).lamps[lamp].emission(now)
+            self._write(_HEADER.size + lamp * _LAMP.size, _LAMP.pack(start, target, now, tau_s))
 
     def cap(self, capped: bool) -> None:
         """Put the cap on the lens, or take it off."""
-        self._write(16, struct.pack("<d", float(capped)))
+        with self._exclusively():
+            self._write(16, struct.pack("<d", float(capped)))
 
     def warm(self, sensor_temperature_c: float) -> None:
         """Set the sensor's temperature."""
-        self._write(24, struct.pack("<d", sensor_temperature_c))
+        with self._exclusively():
+            self._write(24, struct.pack("<d", sensor_temperature_c))
 
     def close(self) -> None:
         """Let go of the file."""
         self._map.close()
         self._file.close()
 
+    def _unpack(self, data: bytes) -> WorldState:
+        _, n_lamps, capped, temperature = _HEADER.unpack_from(data)
+        lamps = tuple(
+            Lamp(*_LAMP.unpack_from(data, _HEADER.size + i * _LAMP.size)) for i in range(n_lamps)
+        )
+        return WorldState(lamps, capped > 0, temperature)
+
+    @contextmanager
+    def _exclusively(self) -> Iterator[None]:
+        with self._writing:
+            fcntl.flock(self._file, fcntl.LOCK_EX)
+            try:
+                yield
+            finally:
+                fcntl.flock(self._file, fcntl.LOCK_UN)
+
     def _write(self, offset: int, data: bytes) -> None:
-        fcntl.lockf(self._file, fcntl.LOCK_EX)
-        try:
-            sequence = struct.unpack_from("<q", self._map)[0]
-            struct.pack_into("<q", self._map, 0, sequence + 1)
-            self._map[offset : offset + len(data)] = data
-            struct.pack_into("<q", self._map, 0, sequence + 2)
-        finally:
-            fcntl.lockf(self._file, fcntl.LOCK_UN)
+        # Odd while it is under way; a writer that died left it odd, and the next one mends that.
+        sequence = struct.unpack_from("<q", self._map)[0] | 1
+        struct.pack_into("<q", self._map, 0, sequence)
+        self._map[offset : offset + len(data)] = data
+        struct.pack_into("<q", self._map, 0, sequence + 1)

@@ -77,7 +77,7 @@ class Keithley6485:
         return self._identity
 
     def correct_zero(self) -> None:
-        """Reset, measure the meter's own offset with its input shorted, and subtract it from now on."""
+        """Reset; measure the meter's own offset, its input shorted, and subtract it from now on."""
         self._set("*RST", "SYST:ZCH ON", "CURR:RANG 2e-9", "INIT")
         time.sleep(self._reading_s)
         self._set("SYST:ZCOR:ACQ", "SYST:ZCOR ON", "SYST:ZCH OFF")
