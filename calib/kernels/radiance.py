@@ -1,0 +1,88 @@
+"""From codes to radiance, its standard uncertainty and its flags in one pass over memory.
+
+With s = DN - dark, each column has radiance = s·scale and the variance of s
+    c0 + s·(c1 + c2·s) + K·max(s, 0)
+in single precision. `calib.radiometric.apply_terms` says what the terms are made of.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from calib.arrays import RawLines
+
+_SATURATED = np.uint8(1)
+_BELOW_BLACK = np.uint8(2)
+_EXTRAPOLATED = np.uint8(8)
+_NONE = np.uint8(0)
+_ZERO = np.float32(0)
+_INFINITE = np.float32(np.inf)
+
+Floats = NDArray[np.float32]
+Terms = tuple[Floats, Floats, Floats, Floats, Floats, np.float32]
+
+
+def correct(
+    dn: RawLines,
+    terms: Terms,
+    limits_dn: tuple[int, int, int],
+    base_flags: NDArray[np.uint8],
+    out: tuple[Floats, Floats | None, NDArray[np.uint8]],
+) -> None:
+    """Fill `out` with radiance, its standard uncertainty (unless None) and flags.
+
+    Args:
+        dn: (n_lines, n_columns), native byte order.
+        terms: dark, scale, c0, c1, c2, each (n_columns,), and K. A NaN scale gives NaN.
+        limits_dn: The lowest and the highest code that is not extrapolated, and the code from
+            which on a sample is saturated.
+        base_flags: (n_columns,): what holds for all samples of a column.
+        out: (n_lines, n_columns) each.
+    """
+    radiance, std, flags = out
+    limits = tuple(np.clip(limits_dn, 0, 0xFFFF).astype(np.uint16))
+    if std is None:
+        _radiance(dn, terms[:2], limits, base_flags, (radiance, flags))
+    else:
+        _radiance_and_std(dn, terms, limits, base_flags, (radiance, std, flags))
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _flags(code, signal, limits, base):  # type: ignore[no-untyped-def]
+    """Return the base flags with those that the code itself raises."""
+    lowest, highest, saturated = limits
+    flags = base
+    flags |= _SATURATED if code >= saturated else _NONE
+    flags |= _BELOW_BLACK if (signal < _ZERO) | (code == 0) else _NONE
+    flags |= _EXTRAPOLATED if (code < lowest) | (code > highest) else _NONE
+    return flags
+
+
+@njit(cache=True, nogil=True)
+def _radiance(dn, terms, limits, base, out):  # type: ignore[no-untyped-def]
+    """Fill (radiance, flags)."""
+    dark, scale = terms
+    radiance, flags = out
+    for line in range(dn.shape[0]):
+        for column in range(dn.shape[1]):
+            code = dn[line, column]
+            signal = np.float32(code) - dark[column]
+            radiance[line, column] = signal * scale[column]
+            flags[line, column] = _flags(code, signal, limits, base[column])
+
+
+@njit(cache=True, nogil=True)
+def _radiance_and_std(dn, terms, limits, base, out):  # type: ignore[no-untyped-def]
+    """Fill (radiance, std, flags)."""
+    dark, scale, c0, c1, c2, gain = terms
+    radiance, std, flags = out
+    for line in range(dn.shape[0]):
+        for column in range(dn.shape[1]):
+            code = dn[line, column]
+            signal = np.float32(code) - dark[column]
+            radiance[line, column] = signal * scale[column]
+            variance = c0[column] + signal * (c1[column] + c2[column] * signal)
+            variance += gain * max(signal, _ZERO)
+            deviation = np.sqrt(variance) * scale[column]
+            std[line, column] = deviation if code < limits[2] else deviation * _INFINITE
+            flags[line, column] = _flags(code, signal, limits, base[column])
