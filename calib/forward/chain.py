@@ -1,0 +1,92 @@
+"""Runs effects one after the other."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from calib.arrays import Columns, Lines
+from calib.forward.conditions import Conditions
+from calib.forward.effect import Effect, Stage
+
+
+@dataclass(frozen=True)
+class ExpectedElectrons:
+    """line_factor[n] x light[n or 0, i] + dark[i]: the charge before shot noise.
+
+    Attributes:
+        light: (1, n_columns) where all lines are alike but for their factor, else
+            (n_lines, n_columns).
+        line_factor: (n_lines,).
+        dark: (n_columns,).
+    """
+
+    light: NDArray[np.float64]
+    line_factor: Columns
+    dark: Columns
+
+    def by_line(self) -> NDArray[np.float64]:
+        """Return the expected electrons, (n_lines, n_columns)."""
+        return np.asarray(self.light * self.line_factor[:, np.newaxis] + self.dark)
+
+
+def run(
+    effects: Iterable[Effect],
+    signal: Lines,
+    at: Conditions,
+    rng: Generator,
+    *,
+    entered: Stage = Stage.SOURCE,
+) -> Lines:
+    """Return `signal`, which stands before stage `entered`, after all of `effects`.
+
+    Radiance becomes radiance x us on leaving the source.
+    """
+    exposed = entered > Stage.SOURCE
+    for effect in effects:
+        if not exposed and effect.stage > Stage.SOURCE:
+            signal = signal * at.exposure_us
+            exposed = True
+        signal = effect.apply(signal, at, rng)
+    return signal
+
+
+def without_noise(effects: Iterable[Effect]) -> tuple[Effect, ...]:
+    """Return the effects that draw no random numbers."""
+    return tuple(effect for effect in effects if not effect.stochastic)
+
+
+def expected_electrons(
+    effects: tuple[Effect, ...], scene: Lines, at: Conditions, rng: Generator
+) -> ExpectedElectrons:
+    """Return the charge that `effects`, all links before shot noise, make of `scene`.
+
+    Args:
+        effects: In the order of the chain.
+        scene: Radiance, (1, n_columns) where all lines see the same, else (n_lines, n_columns).
+        at: The conditions.
+        rng: For links that scatter the light, such as a jittering exposure.
+    """
+    n_columns = scene.shape[1]
+    if not all(effect.separable for effect in effects):
+        full = run(effects, _every_line(scene, at), at, rng)
+        ones = np.ones(at.n_lines)
+        return ExpectedElectrons(np.asarray(full, np.float64), ones, np.zeros(n_columns))
+    factor = np.ones(at.n_lines)
+    alike = []
+    for effect in effects:
+        of_lines = effect.line_factor(at, rng)
+        if of_lines is None:
+            alike.append(effect)
+        else:
+            factor = factor * of_lines
+    # Affine in the light: a capped lens shows the part that the lines' factors leave alone.
+    dark = run(alike, np.zeros((1, n_columns)), replace(at, capped=True), rng)
+    light = run(alike, scene, at, rng) - dark
+    return ExpectedElectrons(np.asarray(light, np.float64), factor, np.asarray(dark[0], np.float64))
+
+
+def _every_line(scene: Lines, at: Conditions) -> Lines:
+    return np.array(np.broadcast_to(scene, (at.n_lines, scene.shape[1])), dtype=np.float64)

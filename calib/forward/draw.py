@@ -1,0 +1,37 @@
+"""Draws lines: by the compiled kernel where the links allow it, else link by link."""
+
+from numpy.random import Generator
+
+from calib.arrays import Lines, RawLines
+from calib.forward.chain import ExpectedElectrons, expected_electrons, run
+from calib.forward.conditions import Conditions
+from calib.forward.drawn import Drawn, as_codes
+from calib.forward.effect import Effect, Stage
+
+
+def draw(
+    effects: tuple[Effect, ...], scene: Lines, at: Conditions, rng: Generator, bit_depth: int
+) -> Drawn:
+    """Return `at.n_lines` lines of `scene`, (1 or n_lines, n_columns) of radiance.
+
+    Both ways draw from the same distribution, but not the same numbers.
+    """
+    first_after_light = next(
+        (k for k, e in enumerate(effects) if e.name == "shot_noise" or e.stage > Stage.CHARGE),
+        len(effects),
+    )
+    before, after = effects[:first_after_light], effects[first_after_light:]
+    expected = expected_electrons(before, scene, at, rng)
+    dn = draw_link_by_link(after, expected, at, rng, bit_depth)
+    return Drawn(dn, effects, scene, at, expected)
+
+
+def draw_link_by_link(
+    after: tuple[Effect, ...],
+    expected: ExpectedElectrons,
+    at: Conditions,
+    rng: Generator,
+    bit_depth: int,
+) -> RawLines:
+    """Return codes, (n_lines, n_columns), by applying each link after the light in turn."""
+    return as_codes(run(after, expected.by_line(), at, rng, entered=Stage.CHARGE), bit_depth)

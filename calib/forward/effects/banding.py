@@ -1,0 +1,45 @@
+"""Banding: a tone from the electronics runs through the pixels as they are read out.
+
+Source: Olsen et al., Radiometric calibration for AgCam (2010), section 5, where a known
+synchronous noise is removed before the lines are averaged. A tone with an integer number of cycles
+a line looks alike on every line and is a part of DN0.
+"""
+
+from dataclasses import dataclass
+from math import pi
+from typing import ClassVar
+
+import numpy as np
+from numpy.random import Generator
+
+from calib.arrays import Lines
+from calib.forward.conditions import Conditions
+from calib.forward.effect import Effect, Stage
+from calib.forward.parameter import parameter
+
+
+@dataclass(frozen=True)
+class Banding(Effect):
+    """Add a sine of the pixel's read-out time; a line's columns take one line period to read.
+
+    Attributes:
+        amplitude_dn: Half of its peak-to-peak height.
+        frequency_hz: Its frequency; times the line period, its cycles a line.
+        phase_rad: Its phase at the recording's start.
+    """
+
+    name: ClassVar[str] = "banding"
+    stage: ClassVar[Stage] = Stage.VOLTS
+    stochastic: ClassVar[bool] = False
+
+    amplitude_dn: float = parameter(1.0, unit="DN", low=0.0, high=1e5, neutral=0.0)
+    frequency_hz: float = parameter(12_345.0, unit="Hz", low=0.0, high=1e9)
+    phase_rad: float = parameter(0.0, unit="rad", low=-2 * pi, high=2 * pi)
+
+    def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
+        """DN in and out, (n_lines, n_columns)."""
+        n_columns = signal.shape[-1]
+        lines = 2 * pi * np.mod(self.frequency_hz * at.line_times_s, 1.0) + self.phase_rad
+        within_line_s = np.arange(n_columns) * (at.line_period_us * 1e-6 / n_columns)
+        columns = 2 * pi * self.frequency_hz * within_line_s
+        return np.asarray(signal + self.amplitude_dn * np.sin(lines[:, np.newaxis] + columns))

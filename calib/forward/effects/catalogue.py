@@ -1,0 +1,54 @@
+"""The catalogue: one line per effect, in the physical order in which the chain runs them."""
+
+from calib.errors import InputError
+from calib.forward.effect import Effect
+from calib.forward.effects.adc import Adc
+from calib.forward.effects.banding import Banding
+from calib.forward.effects.dark_current import DarkCurrent
+from calib.forward.effects.dark_current_temperature import DarkCurrentTemperature
+from calib.forward.effects.full_well import FullWell
+from calib.forward.effects.illumination import Illumination
+from calib.forward.effects.lamp_drift import LampDrift
+from calib.forward.effects.line_noise import LineNoise
+from calib.forward.effects.nonlinearity import Nonlinearity
+from calib.forward.effects.offset import Offset
+from calib.forward.effects.read_noise import ReadNoise
+from calib.forward.effects.responsivity import Responsivity
+from calib.forward.effects.shot_noise import ShotNoise
+from calib.forward.effects.system_gain import SystemGain
+from calib.forward.effects.vignette import Vignette
+
+CATALOGUE: tuple[type[Effect], ...] = (
+    Illumination,
+    LampDrift,
+    Vignette,
+    Responsivity,
+    DarkCurrent,
+    DarkCurrentTemperature,
+    ShotNoise,
+    FullWell,
+    ReadNoise,
+    SystemGain,
+    Nonlinearity,
+    LineNoise,
+    Banding,
+    Offset,
+    Adc,
+)
+
+_BY_NAME = {kind.name: kind for kind in CATALOGUE}
+_PLACE = {kind.name: place for place, kind in enumerate(CATALOGUE)}
+
+
+def effect_named(name: str) -> type[Effect]:
+    """Return the effect of that name; InputError naming all where there is none."""
+    if name not in _BY_NAME:
+        raise InputError(
+            f"unknown effect {name!r}; allowed: {', '.join(_BY_NAME)}.", code="unknown-effect"
+        )
+    return _BY_NAME[name]
+
+
+def place_of(effect: Effect) -> int:
+    """Return where `effect` stands in the physical order."""
+    return _PLACE[effect_named(effect.name).name]

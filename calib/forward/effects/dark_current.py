@@ -1,0 +1,56 @@
+"""Dark current: charge that gathers without light, in each column at its own rate (DSNU).
+
+Source: EMVA Standard 1288, Release 4.0 Linear, dark current as the growth of the dark signal with
+exposure time. That standard's DSNU also holds the offset's fixed pattern, which is here a part of
+`offset`.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.random import Generator
+
+from calib.arrays import Columns, Lines
+from calib.forward.conditions import Conditions
+from calib.forward.effect import Effect, Stage
+from calib.forward.parameter import parameter
+from calib.forward.pattern import check_length, explicit_pattern, normal_pattern
+from calib.recording.header import CameraHeader
+
+
+@dataclass(frozen=True)
+class DarkCurrent(Effect):
+    """Add rate x exposure time to the expected electrons, whatever the temperature.
+
+    Attributes:
+        electrons_per_us: Mean rate.
+        dsnu_std_e_per_us: Standard deviation of the rate among columns; the rate stops at 0.
+        dsnu_seed: Which sensor of that kind it is.
+        rates_e_per_us: Rate of each column, (n_columns,); where given, in place of the drawn one.
+    """
+
+    name: ClassVar[str] = "dark_current"
+    stage: ClassVar[Stage] = Stage.CHARGE
+    stochastic: ClassVar[bool] = False
+    separable: ClassVar[bool] = True
+
+    electrons_per_us: float = parameter(0.01, unit="e-/us", low=0.0, high=1e6, neutral=0.0)
+    dsnu_std_e_per_us: float = parameter(0.001, unit="e-/us", low=0.0, high=1e6, neutral=0.0)
+    dsnu_seed: int = parameter(0, unit="1", low=0)
+    rates_e_per_us: tuple[float, ...] = parameter((), unit="e-/us", low=0.0, high=1e6)
+
+    def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
+        """Expected electrons in and out, (n_lines, n_columns)."""
+        return signal + self.rates(signal.shape[-1]) * at.exposure_us
+
+    def rates(self, n_columns: int) -> Columns:
+        """Return the rate of each column, e-/us, (n_columns,)."""
+        if self.rates_e_per_us:
+            return explicit_pattern(self.rates_e_per_us)
+        pattern = normal_pattern(self.dsnu_seed, self.name, n_columns)
+        return np.maximum(self.electrons_per_us + self.dsnu_std_e_per_us * pattern, 0.0)
+
+    def check_camera(self, camera: CameraHeader) -> None:
+        """Raise InputError unless `rates_e_per_us` has one value per column."""
+        check_length(self.rates_e_per_us, camera.columns, "effect dark_current: rates_e_per_us")

@@ -1,0 +1,55 @@
+"""Dark current that follows the temperature: it doubles every few kelvins.
+
+Source: EMVA Standard 1288, Release 4.0 Linear, the doubling temperature of the dark current;
+about 7 K for silicon near room temperature.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.random import Generator
+
+from calib.arrays import Columns, Lines
+from calib.forward.conditions import Conditions
+from calib.forward.effect import Effect, Stage
+from calib.forward.parameter import parameter
+from calib.forward.pattern import normal_pattern
+
+
+@dataclass(frozen=True)
+class DarkCurrentTemperature(Effect):
+    """Add rate x 2^((T - reference) / doubling) x exposure time to the expected electrons.
+
+    It is the whole dark current of a sensor whose temperature varies; together with
+    `dark_current` the two add, as those of two layers do.
+
+    Attributes:
+        electrons_per_us: Mean rate at the reference temperature.
+        dsnu_std_e_per_us: Standard deviation of that rate among columns; the rate stops at 0.
+        dsnu_seed: Which sensor of that kind it is.
+        reference_c: The temperature at which the rates hold.
+        doubling_k: The rise that doubles them.
+    """
+
+    name: ClassVar[str] = "dark_current_temperature"
+    stage: ClassVar[Stage] = Stage.CHARGE
+    stochastic: ClassVar[bool] = False
+    separable: ClassVar[bool] = True
+
+    electrons_per_us: float = parameter(0.01, unit="e-/us", low=0.0, high=1e6, neutral=0.0)
+    dsnu_std_e_per_us: float = parameter(0.001, unit="e-/us", low=0.0, high=1e6, neutral=0.0)
+    dsnu_seed: int = parameter(0, unit="1", low=0)
+    reference_c: float = parameter(25.0, unit="degree Celsius", low=-200.0, high=150.0)
+    doubling_k: float = parameter(7.0, unit="K", low=1.0, high=50.0)
+
+    def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
+        """Expected electrons in and out, (n_lines, n_columns)."""
+        rates = self.rates(signal.shape[-1], at.sensor_temperature_c)
+        return signal + rates * at.exposure_us
+
+    def rates(self, n_columns: int, temperature_c: float) -> Columns:
+        """Return the rate of each column at a temperature, e-/us, (n_columns,)."""
+        pattern = normal_pattern(self.dsnu_seed, self.name, n_columns)
+        reference = np.maximum(self.electrons_per_us + self.dsnu_std_e_per_us * pattern, 0.0)
+        return np.asarray(reference * 2.0 ** ((temperature_c - self.reference_c) / self.doubling_k))

@@ -1,0 +1,42 @@
+"""Lamp drift: the source brightens or fades with wall time.
+
+Source: the slow approach of a filament lamp or LED to its thermal equilibrium, first order; with
+a time constant much longer than the recording, linear ageing.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.random import Generator
+
+from calib.arrays import Columns, Lines
+from calib.forward.conditions import Conditions
+from calib.forward.effect import Effect, Stage
+from calib.forward.parameter import parameter
+
+
+@dataclass(frozen=True)
+class LampDrift(Effect):
+    """Scale the radiance by 1 + amplitude (1 - exp(-time / time_constant)).
+
+    Attributes:
+        amplitude: Relative change, reached long after the recording's start.
+        time_constant_s: How fast it is reached; wall time counts from the recording's start.
+    """
+
+    name: ClassVar[str] = "lamp_drift"
+    stage: ClassVar[Stage] = Stage.SOURCE
+    stochastic: ClassVar[bool] = False
+    separable: ClassVar[bool] = True
+
+    amplitude: float = parameter(0.01, unit="1", low=-0.9, high=10.0, neutral=0.0)
+    time_constant_s: float = parameter(300.0, unit="s", low=1e-3, high=1e9)
+
+    def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:
+        """Radiance in, radiance out, (n_lines, n_columns)."""
+        return signal * self.line_factor(at, rng)[:, np.newaxis]
+
+    def line_factor(self, at: Conditions, rng: Generator) -> Columns:  # noqa: ARG002
+        """Return the relative radiance at each line's time, (n_lines,)."""
+        return 1.0 - self.amplitude * np.expm1(-at.line_times_s / self.time_constant_s)

@@ -1,0 +1,35 @@
+"""Line noise: each line has an offset of its own.
+
+Source: EMVA Standard 1288, Release 4.0 Linear, the row part of the temporal noise: reference or
+supply noise that all columns of a line share.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.random import Generator
+
+from calib.arrays import Lines
+from calib.forward.conditions import Conditions
+from calib.forward.effect import Effect, Stage
+from calib.forward.parameter import parameter
+
+
+@dataclass(frozen=True)
+class LineNoise(Effect):
+    """Shift each line by Gaussian noise, white from line to line.
+
+    Attributes:
+        std_dn: Its standard deviation.
+    """
+
+    name: ClassVar[str] = "line_noise"
+    stage: ClassVar[Stage] = Stage.VOLTS
+    stochastic: ClassVar[bool] = True
+
+    std_dn: float = parameter(0.5, unit="DN", low=0.0, high=1e5, neutral=0.0)
+
+    def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
+        """DN in and out, (n_lines, n_columns)."""
+        return np.asarray(signal + self.std_dn * rng.standard_normal((signal.shape[0], 1)))

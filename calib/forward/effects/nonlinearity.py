@@ -1,0 +1,34 @@
+"""Nonlinearity: the output stage bends, DN = s (1 - beta s).
+
+Source: the second-order term of an output amplifier's characteristic; EMVA Standard 1288, Release
+4.0 Linear, section on linearity, measures it.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from numpy.random import Generator
+
+from calib.arrays import Lines
+from calib.forward.conditions import Conditions
+from calib.forward.effect import Effect, Stage
+from calib.forward.parameter import parameter
+
+
+@dataclass(frozen=True)
+class Nonlinearity(Effect):
+    """Bend the signal above the offset.
+
+    Attributes:
+        beta_per_dn: Relative loss of signal per DN of signal; negative where it gains.
+    """
+
+    name: ClassVar[str] = "nonlinearity"
+    stage: ClassVar[Stage] = Stage.VOLTS
+    stochastic: ClassVar[bool] = False
+
+    beta_per_dn: float = parameter(2e-6, unit="1/DN", low=-1e-2, high=1e-2, neutral=0.0)
+
+    def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
+        """DN above the offset in and out, (n_lines, n_columns)."""
+        return signal * (1.0 - self.beta_per_dn * signal)

@@ -1,0 +1,95 @@
+"""Model files: the camera, the source and the effects in TOML.
+
+[camera]            as in recording.toml
+[source]            as in recording.toml
+[effects.vignette]  one table per effect, its parameters by name
+"""
+
+import tomllib
+from importlib.resources import files
+from typing import TypeVar
+
+import tomli_w
+from pydantic import ValidationError
+
+from calib.errors import InputError
+from calib.forward.effect import Effect
+from calib.forward.effects.catalogue import effect_named
+from calib.forward.parameter import from_table, to_table
+from calib.recording.header import CameraHeader, SourceHeader
+
+Header = TypeVar("Header", CameraHeader, SourceHeader)
+_TABLES = ("camera", "source", "effects")
+
+
+def parse(text: str, where: str) -> tuple[CameraHeader, SourceHeader, tuple[Effect, ...]]:
+    """Return what a model file says; `where` names the file in InputErrors."""
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{where}: not TOML: {error}.", code="not-toml") from error
+    _only_known(document, _TABLES, where)
+    camera = _header(CameraHeader, document, "camera", where)
+    source = _header(SourceHeader, document, "source", where)
+    effects = []
+    for name, table in _table(document, "effects", where).items():
+        inside = f"{where}: [effects.{name}]"
+        if not isinstance(table, dict):
+            raise InputError(f"{inside} is not a table; give one.", code="wrong-type")
+        effects.append(from_table(effect_named(name), table, inside))
+    return camera, source, tuple(effects)
+
+
+def text_of(camera: CameraHeader, source: SourceHeader, effects: tuple[Effect, ...]) -> str:
+    """Return the model file of these parts."""
+    return tomli_w.dumps(
+        {
+            "camera": camera.model_dump(exclude_none=True),
+            "source": source.model_dump(exclude_none=True),
+            "effects": {effect.name: to_table(effect) for effect in effects},
+        }
+    )
+
+
+def preset_names() -> tuple[str, ...]:
+    """Return the models that come with darkflat."""
+    folder = files("calib.forward").joinpath("presets")
+    names = (entry.name for entry in folder.iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml")))
+
+
+def preset_text(name: str) -> str:
+    """Return the model file of the preset `name`; InputError naming all where there is none."""
+    if name not in preset_names():
+        raise InputError(
+            f"unknown preset {name!r}; allowed: {', '.join(preset_names())}.",
+            code="unknown-preset",
+        )
+    return files("calib.forward").joinpath("presets", f"{name}.toml").read_text(encoding="utf-8")
+
+
+def _only_known(table: dict[str, object], allowed: tuple[str, ...], where: str) -> None:
+    for key in table:
+        if key not in allowed:
+            raise InputError(
+                f"{where}: unknown key {key!r}; allowed: {', '.join(allowed)}.", code="unknown-key"
+            )
+
+
+def _table(document: dict[str, object], key: str, where: str) -> dict[str, object]:
+    table = document.get(key, {})
+    if not isinstance(table, dict):
+        raise InputError(f"{where}: {key!r} is not a table; write [{key}].", code="wrong-type")
+    return table
+
+
+def _header(kind: type[Header], document: dict[str, object], key: str, where: str) -> Header:
+    table = _table(document, key, where)
+    fields = tuple(kind.model_fields)
+    _only_known(table, fields, f"{where}: [{key}]")
+    try:
+        return kind.model_validate(table)
+    except ValidationError as error:
+        first = error.errors()[0]
+        name = ".".join(str(part) for part in first["loc"])
+        raise InputError(f"{where}: [{key}] {name}: {first['msg']}.", code="bad-header") from error
