@@ -1,0 +1,123 @@
+"""What an .h5 recording holds: `frames`, one chunk per frame, and all headers as attributes.
+
+Everything but `frames` is written before SWMR mode begins, because in it nothing can be created.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import InputError
+from calib.recording.frame_codes import code_type, sample_shape
+from calib.recording.header import RecordingHeader
+from calib.recording.recording_toml import header_from_toml, header_to_toml
+
+FORMAT_NAME = "darkflat-recording"
+FORMAT_VERSION = 1
+_MAX_CHUNK_BYTES = 0xFFFFFFFF
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """What came before the first frame.
+
+    Attributes:
+        plan: The plan's text, empty where there was none.
+        features: Every feature of the camera and its value.
+        scenes: Radiance images by name, (n_lines, n_columns) or (n_columns,), in `radiance_unit`.
+    """
+
+    plan: str = ""
+    features: Mapping[str, str] = field(default_factory=dict)
+    scenes: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class FileContents:
+    """What stands in the file beside its frames."""
+
+    recording_id: str
+    header: RecordingHeader
+    header_warnings: tuple[str, ...]
+    frame_lines: int
+    provenance: Provenance
+
+
+def create_file(
+    path: Path, recording_id: str, header: RecordingHeader, frame_lines: int, before: Provenance
+) -> h5py.File:
+    """Return a new file in SWMR mode with no frames yet; lines per frame are fixed."""
+    kind = code_type(header.camera)
+    frame = (frame_lines, *sample_shape(header.camera))
+    if frame_lines < 1 or int(np.prod(frame)) * kind.itemsize > _MAX_CHUNK_BYTES:
+        raise InputError(
+            f"a frame of {frame_lines} lines cannot be recorded: 1 line to 4 GiB it may have",
+            code="frame-size-invalid",
+        )
+    file = h5py.File(path, "w", libver="latest", locking=False)
+    file.attrs.update(
+        {
+            "format": FORMAT_NAME,
+            "format_version": FORMAT_VERSION,
+            "id": recording_id,
+            "header": header_to_toml(header),
+            "plan": before.plan,
+            "features": json.dumps(dict(before.features)),
+        }
+    )
+    scenes = file.create_group("scenes")
+    for name, radiance in before.scenes.items():
+        scenes.create_dataset(name, data=radiance)
+    file.create_dataset("frames", (0, *frame), kind, maxshape=(None, *frame), chunks=(1, *frame))
+    file.flush()
+    file.swmr_mode = True
+    return file
+
+
+def open_for_reading(path: Path) -> h5py.File:
+    """Open a live, a closed or an abandoned file; InputError says what is wrong with it."""
+    try:
+        return h5py.File(path, "r", libver="latest", swmr=True, locking=False)
+    except FileNotFoundError as error:
+        raise InputError(f"there is no recording {path}", code="recording-not-found") from error
+    except OSError as error:
+        raise unreadable(path, error) from error
+
+
+def unreadable(path: Path, error: Exception) -> InputError:
+    """Return the InputError for an HDF5 file that cannot be read."""
+    if "truncated" in str(error):
+        return InputError(
+            f"{path} is truncated: copy it again from where it was recorded",
+            code="recording-truncated",
+        )
+    return InputError(
+        f"{path} is not a readable recording ({str(error).splitlines()[0]}): restore it"
+        " from a copy",
+        code="recording-unreadable",
+    )
+
+
+def read_contents(file: h5py.File, path: Path) -> FileContents:
+    """Return what stands in `file` beside its frames."""
+    if file.attrs.get("format") != FORMAT_NAME or "frames" not in file:
+        raise InputError(
+            f"{path} is an HDF5 file, but no recording of darkflat: import its frames from a "
+            "folder (`darkflat import`)",
+            code="not-a-recording",
+        )
+    try:
+        attributes: dict[str, Any] = {key: str(value) for key, value in file.attrs.items()}
+        header, warnings = header_from_toml(attributes["header"], (), f"{path} header")
+        scenes = {name: scene[()] for name, scene in file["scenes"].items()}
+        before = Provenance(attributes["plan"], json.loads(attributes["features"]), scenes)
+        frame_lines = int(file["frames"].shape[1])
+    except (KeyError, OSError, ValueError) as error:
+        raise unreadable(path, error) from error
+    return FileContents(attributes["id"], header, warnings, frame_lines, before)

@@ -1,0 +1,1 @@
+"""Files of frames: .npy, .tif, .fits and .raw, read memory-mapped, written in a stream."""
