@@ -18,7 +18,7 @@ def recording_header(
     started_at: datetime | None = None,
     **provenance: Any,
 ) -> RecordingHeader:
-    """Return the header; the plan itself and its digest are part of it.
+    """Return the header; the plan's text goes into the recording beside it.
 
     Args:
         plan: What is measured.
@@ -30,11 +30,6 @@ def recording_header(
         provenance: More keys for the header, e.g. the camera's features.
     """
     camera = plan.camera
-    kept: dict[str, Any] = {
-        "plan": plan.model_dump(mode="json"),
-        "plan_sha256": plan.digest(),
-        **provenance,
-    }
     return RecordingHeader(
         camera=CameraHeader(
             model=camera.model or model,
@@ -51,7 +46,7 @@ def recording_header(
         ),
         source=_source(plan),
         blocks=blocks,
-        **kept,
+        **provenance,
     )
 
 

@@ -9,7 +9,8 @@ from pydantic import BaseModel, ValidationError
 
 def one_sentence(error: ValidationError, root: type[BaseModel]) -> str:
     """Return what is wrong with the first faulty key of `root`, and how many more are."""
-    faults = error.errors()
+    # A typo leaves a missing key behind as well: the typo is what has to be said.
+    faults = sorted(error.errors(), key=lambda fault: fault["type"] != "extra_forbidden")
     sentence = _fault(faults[0], root)
     more = len(faults) - 1
     return sentence + (f" ({more} more {'fault' if more == 1 else 'faults'})" if more else "")
@@ -32,7 +33,9 @@ def _fault(fault: Any, root: type[BaseModel]) -> str:
             f"{key}.type = {fault['ctx']['tag']!r} is unknown; allowed are"
             f" {fault['ctx']['expected_tags']}"
         )
-    return f"{key} = {fault['input']!r}: {_lowered(fault['msg'])}"
+    is_no_table = kind in {"model_type", "model_attributes_type"}
+    wanted = "should be a table" if is_no_table else _lowered(fault["msg"])
+    return f"{key} = {fault['input']!r}: {wanted}"
 
 
 def _unknown_key(location: tuple[str | int, ...], root: type[BaseModel]) -> str:

@@ -1,6 +1,6 @@
 """The light, as its certificate describes it."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -16,7 +16,7 @@ class PlanSource(PlanPart):
     identity: str = ""
     """Free text: make, serial number, certificate."""
     radiance_unit: str = "W m-2 sr-1"
-    radiance: dict[float, float] = Field(default_factory=dict)
+    radiance: dict[float, Annotated[float, Field(ge=0)]] = Field(default_factory=dict)
     """Nominal radiance by level; a level that is missing here is unknown, not 0."""
     wavelength_nm: float | None = Field(default=None, gt=0)
     photons_per_pixel_per_us: float | None = Field(default=None, gt=0)
