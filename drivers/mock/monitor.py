@@ -5,8 +5,8 @@ import time
 from numpy.random import Generator
 
 from drivers.errors import DeviceError
-from drivers.mock.monitor_current import MonitorCurrent
 from drivers.mock.mock_line import MockLine
+from drivers.mock.monitor_current import MonitorCurrent
 from drivers.mock.world import World
 from drivers.ports import DeviceIdentity, MonitorReading
 

@@ -1,0 +1,145 @@
+"""One emulated device on a pseudo-terminal, byte by byte at the line's speed."""
+
+import os
+import select
+import termios
+import time
+import tty
+from collections import deque
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Event, Thread
+from typing import Protocol
+
+from drivers.mock.emulators.line_faults import LineFaults
+
+_BITS_PER_CHARACTER = 10  # start, 8 data, stop
+_IDLE_S = 0.03
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What a device says, and how long it thinks before."""
+
+    data: bytes
+    after_s: float = 0.005
+
+
+class EmulatedDevice(Protocol):
+    """The far end of a line."""
+
+    def receive(self, data: bytes) -> list[Reply]:
+        """Take bytes as they come; return what is said to them."""
+        ...
+
+    def tick(self) -> None:
+        """Let time pass: called often."""
+        ...
+
+
+class PtyLine:
+    """Serves `device` in a thread of its own.
+
+    `path` is a link to the present pseudo-terminal, and stays the same when the device vanishes
+    and returns, as the links of /dev/serial/by-id do. The slave side is held open here: otherwise
+    the master would fail whenever the client closes.
+    """
+
+    def __init__(self, path: Path, device: EmulatedDevice, *, baudrate: int = 9600) -> None:
+        self.path = path
+        self.device = device
+        self.faults = LineFaults()
+        self._character_s = _BITS_PER_CHARACTER / baudrate
+        self._ends: tuple[int, int] | None = None
+        self._heard: deque[tuple[float, bytes]] = deque()  # when it has arrived whole
+        self._said: deque[tuple[float, bytes]] = deque()  # when its last character may leave
+        self._speaking_until = 0.0
+        self._present = Event()
+        self._stopping = Event()
+        self._absent = Event()
+        self.come_back()
+        self._thread = Thread(target=self._serve, name=f"emulator {path.name}", daemon=True)
+        self._thread.start()
+
+    def vanish(self) -> None:
+        """Pull the plug of the line; the device keeps its power, and goes on with what it does."""
+        self._present.clear()
+        self._absent.wait()
+
+    def come_back(self) -> None:
+        """Plug the line in again, on another pseudo-terminal behind the same path."""
+        if self._ends is not None:
+            return
+        master, slave = os.openpty()
+        tty.setraw(slave)
+        os.set_blocking(master, False)
+        part = self.path.with_name(f".{self.path.name}.part")
+        part.unlink(missing_ok=True)
+        part.symlink_to(os.ttyname(slave))
+        part.replace(self.path)
+        self._ends = (master, slave)
+        self._absent.clear()
+        self._present.set()
+
+    def close(self) -> None:
+        """Stop serving; safe to call twice."""
+        self._stopping.set()
+        self._thread.join()
+        self._unplug()
+
+    def _serve(self) -> None:
+        while not self._stopping.is_set():
+            if not self._present.is_set():
+                self._unplug()
+                self._absent.set()
+                self.device.tick()
+                time.sleep(_IDLE_S)
+                continue
+            self._serve_once()
+
+    def _serve_once(self) -> None:
+        now = time.monotonic()
+        while self._heard and self._heard[0][0] <= now:
+            self._answer(self._heard.popleft()[1])
+        while self._said and self._said[0][0] <= now:
+            self._send(self._said.popleft()[1])
+        self.device.tick()
+        if self._ends is None:
+            return
+        due = [queue[0][0] for queue in (self._heard, self._said) if queue]
+        wait_s = min([_IDLE_S, *(max(moment - time.monotonic(), 0.0) for moment in due)])
+        if select.select([self._ends[0]], [], [], wait_s)[0]:
+            self._hear(self._ends[0])
+
+    def _hear(self, master: int) -> None:
+        data = os.read(master, 4096)
+        last = self._heard[-1][0] if self._heard else time.monotonic()
+        self._heard.append((last + len(data) * self._character_s, data))
+
+    def _answer(self, data: bytes) -> None:
+        if self.faults.deaf:
+            return
+        for reply in self.device.receive(data):
+            spoilt, late_s = self.faults.spoil(reply.data)
+            starts = max(time.monotonic() + reply.after_s + late_s, self._speaking_until)
+            for i in range(len(spoilt)):
+                leaves = starts + (i + 1) * self._character_s
+                self._said.append((leaves, spoilt[i : i + 1]))
+                self._speaking_until = leaves
+
+    def _send(self, data: bytes) -> None:
+        if self._ends is not None:
+            try:
+                os.write(self._ends[0], data)
+            except BlockingIOError:
+                termios.tcflush(self._ends[1], termios.TCIFLUSH)  # nobody reads: it is lost
+
+    def _unplug(self) -> None:
+        self._heard.clear()
+        self._said.clear()
+        self._speaking_until = 0.0
+        if self._ends is not None:
+            ends, self._ends = self._ends, None
+            self.path.unlink(missing_ok=True)
+            for end in ends:
+                os.close(end)
