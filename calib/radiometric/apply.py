@@ -86,8 +86,7 @@ class Correction:
         Args:
             coefficients: The set.
             exposure_us: Exposure time of the lines.
-            camera: The camera of the lines. A serial or band that it does not state is one that
-                does not match.
+            camera: That of the lines. A serial or band that it does not state does not match.
             at: When the lines were taken; `camera.started_at` where None.
             validity: The range for which the set is certified; not checked where None.
             window: What was between scene and camera, but not so during the calibration.
@@ -127,8 +126,8 @@ class Correction:
 
         Args:
             dn: (n_lines, n_columns) uint8 or uint16.
-            out: Arrays to fill and return, (n_lines, n_columns); new ones where None. Reuse them in
-                a stream: fresh memory costs more than the correction.
+            out: Arrays to fill and return; reuse them in a stream, for fresh memory costs more
+                than the correction.
             std: Whether the uncertainty is wanted; with `out`, what it has is filled.
 
         Raises:
