@@ -104,7 +104,8 @@ def _fit_shared(
     if len(np.unique(exposures[used])) < 2:
         msg = "A straight line needs two distinct exposures or more; record others too."
         raise InputError(msg, code="too-few-exposures")
-    shared, exposures, rows = shared[used], exposures[used], means[used] if ~used.any() else means
+    rows = means if used.all() else means[used]
+    shared, exposures = shared[used], exposures[used]
     total = shared.sum()
     centre = (shared * exposures).sum() / total
     spread = (shared * (exposures - centre) ** 2).sum()
