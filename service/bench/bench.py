@@ -5,9 +5,9 @@ from contextlib import ExitStack
 from types import TracebackType
 from typing import Self
 
-from drivers.errors import DeviceError
 from drivers.mock.world import World
 from drivers.ports import LightSource, LightState, LinescanCamera, Monitor, Shutter
+from service.bench.all_off import all_off
 from service.bench.shielded import shielded
 
 
@@ -34,8 +34,6 @@ class Bench:
         monitor: Monitor | None = None,
         caps_by_lamps_off: bool = False,
         world: World | None = None,
-        resources: ExitStack | None = None,
-        on_close: Callable[[], None] | None = None,
     ) -> None:
         self.id = bench_id
         self.camera = camera
@@ -44,9 +42,16 @@ class Bench:
         self.shutter = shutter
         self.caps_by_lamps_off = caps_by_lamps_off
         self.world = world
-        self._resources = resources or ExitStack()
-        self._on_close = on_close
+        self._resources = ExitStack()
         self._is_open = True
+
+    def keep(self, resources: ExitStack) -> None:
+        """Release `resources` on closing, after the lamps are off."""
+        self._resources.push(resources)
+
+    def on_close(self, callback: Callable[[], None]) -> None:
+        """Call `callback` on closing, once the lamps are off."""
+        self._resources.callback(callback)
 
     def safe_off(self) -> LightState:
         """Switch every lamp off and read it back; no second Ctrl-C gets in between.
@@ -55,17 +60,7 @@ class Bench:
             DeviceError: With code `lamps-not-off`; says what has to be switched off by hand.
         """
         with shielded():
-            try:
-                state = self.light.off()
-            except DeviceError as error:
-                if error.code == "lamps-not-off":
-                    raise
-                raise _not_off(str(error), error.device, error.last_exchange) from error
-            lit = [str(i + 1) for i, lamp in enumerate(state.lamps) if lamp.on]
-            if lit or state.level > 0:
-                reason = f"lamp {', '.join(lit)} reads back as on" if lit else "its level is not 0"
-                raise _not_off(reason, self.light.identity.address)
-            return state
+            return all_off(self.light)
 
     def close(self) -> None:
         """Switch the lamps off, read them back, release every device. Safe to call twice.
@@ -81,8 +76,6 @@ class Bench:
                 self.safe_off()
             finally:
                 self._resources.close()
-                if self._on_close is not None:
-                    self._on_close()
 
     def __enter__(self) -> Self:
         return self
@@ -94,12 +87,3 @@ class Bench:
         trace: TracebackType | None,
     ) -> None:
         self.close()
-
-
-def _not_off(reason: str, device: str, last_exchange: str = "") -> DeviceError:
-    return DeviceError(
-        f"the lamps could not be read back as off ({reason}): switch them off by hand",
-        device=device,
-        code="lamps-not-off",
-        last_exchange=last_exchange,
-    )

@@ -24,9 +24,7 @@ class BenchLock:
 
     def acquire(self) -> None:
         """Take the bench; raise DeviceBusyError, code `bench-busy`, naming who holds it."""
-        # No O_TRUNC: what the holder wrote must stay readable for those who are refused.
-        flags = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
-        file = os.fdopen(os.open(self.path, flags, 0o666), "r+", encoding="utf-8")
+        file = os.fdopen(_opened(self.path), "r+", encoding="utf-8")
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
@@ -55,6 +53,18 @@ def lock_folder() -> Path:
     """Return where all users of this machine find the locks."""
     shared = Path("/run/lock")
     return shared if os.access(shared, os.W_OK) else Path(tempfile.gettempdir())
+
+
+def _opened(path: Path) -> int:
+    """Open the file for every user, without emptying it: the holder's name must stay readable."""
+    flags = os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW
+    try:
+        # Without O_CREAT: in a shared folder the system refuses it for other users' files.
+        return os.open(path, flags)
+    except FileNotFoundError:
+        descriptor = os.open(path, flags | os.O_CREAT, 0o666)
+        os.fchmod(descriptor, 0o666)
+        return descriptor
 
 
 def _holder(file: IO[str]) -> str:

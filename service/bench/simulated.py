@@ -1,0 +1,90 @@
+"""Starts what a simulated bench consists of: the world, the emulators, the camera's process."""
+
+import tempfile
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from drivers.errors import DeviceError
+from drivers.mock.world import World
+from service.bench.settings import BenchSettings, Simulation
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """What stands in for hardware.
+
+    Attributes:
+        simulation: As the bench file describes it.
+        world: What burns in it, and whether the lens is capped.
+        ports: Of the emulated controllers, by name.
+        camera_address: Of the simulated GigE Vision camera.
+    """
+
+    simulation: Simulation
+    world: World
+    ports: dict[str, str] = field(default_factory=dict)
+    camera_address: str = ""
+
+    def port(self, name: str) -> str:
+        """Return the port of the emulated controller `name`."""
+        if name not in self.ports:
+            raise DeviceError(
+                f"the simulated bench has no {name}; name its port in the bench file",
+                device=name,
+                code="no-such-emulator",
+            )
+        return self.ports[name]
+
+
+def start_simulated(settings: BenchSettings, resources: ExitStack) -> Simulated | None:
+    """Start what `settings` ask for; `resources` stop it. None on a bench of hardware alone."""
+    simulation = settings.simulation
+    if simulation is None:
+        return None
+    has_led = settings.light.driver == "mightex"
+    n_lamps = 0 if has_led else simulation.lamps
+    world = _world(simulation, n_lamps + has_led, resources)
+    ports: dict[str, str] = {}
+    if settings.needs_emulators:
+        ports = _start_emulators(simulation, world, n_lamps, resources, led=has_led)
+    address = _start_camera(simulation, world, resources) if settings.needs_simulated_camera else ""
+    return Simulated(simulation, world, ports, address)
+
+
+def _world(simulation: Simulation, n_lamps: int, resources: ExitStack) -> World:
+    """Make it afresh: what burnt in a world that was left behind does not burn any more."""
+    path = simulation.world
+    if path is None:
+        folder = resources.enter_context(tempfile.TemporaryDirectory(prefix="darkflat-world-"))
+        path = Path(folder) / "world"
+    world = World.create(path, n_lamps)
+    resources.callback(world.close)
+    return world
+
+
+def _start_emulators(
+    simulation: Simulation, world: World, n_lamps: int, resources: ExitStack, *, led: bool
+) -> dict[str, str]:
+    from drivers.mock.emulators.process import EmulatorProcess  # noqa: PLC0415
+
+    options = ["--tau-s", str(simulation.warm_up_s)]
+    if simulation.seed is not None:
+        options += ["--seed", str(simulation.seed)]
+    process = EmulatorProcess(world.path, lamps=n_lamps, led=led, options=tuple(options))
+    resources.callback(process.close)
+    return {name: port for name, port in process.ports.items() if port is not None}
+
+
+def _start_camera(simulation: Simulation, world: World, resources: ExitStack) -> str:
+    from drivers.aravis.simulated_process import SimulatedCameraProcess  # noqa: PLC0415
+
+    process = SimulatedCameraProcess(
+        simulation.model,
+        world.path,
+        serial=simulation.camera_serial,
+        interface=simulation.interface,
+        seed=simulation.seed,
+        wait_s=simulation.camera_wait_s,
+    )
+    return resources.enter_context(process).address
