@@ -7,8 +7,10 @@ warms: e(t) = target + (start - target) exp(-(t - since) / tau), relative to its
 
 import fcntl
 import mmap
+import os
 import struct
 import time
+import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -31,8 +33,10 @@ class Lamp:
 
     def emission(self, at_s: float) -> float:
         """Relative emission at the monotonic time `at_s`."""
-        if self.tau_s <= 0 or at_s <= self.since_s:
-            return self.start if at_s < self.since_s else self.target
+        if at_s < self.since_s:
+            return self.start
+        if self.tau_s <= 0:
+            return self.target
         return self.target + (self.start - self.target) * exp(-(at_s - self.since_s) / self.tau_s)
 
 
@@ -59,8 +63,9 @@ class World:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._writing = Lock()
-        self._file = path.open("r+b")
-        self._map = mmap.mmap(self._file.fileno(), 0)
+        self._file = os.open(path, os.O_RDWR | os.O_CLOEXEC)
+        self._close_file = weakref.finalize(self, os.close, self._file)
+        self._map = mmap.mmap(self._file, 0)
 
     @classmethod
     def create(cls, path: Path, n_lamps: int, *, sensor_temperature_c: float = 25.0) -> "World":
@@ -101,9 +106,9 @@ class World:
             self._write(24, struct.pack("<d", sensor_temperature_c))
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Let go of the file; safe to call twice."""
         self._map.close()
-        self._file.close()
+        self._close_file()
 
     def _unpack(self, data: bytes) -> WorldState:
         _, n_lamps, capped, temperature = _HEADER.unpack_from(data)

@@ -1,0 +1,35 @@
+"""Options and markers of this project's own tests: `--bench` names a real bench."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--bench",
+        metavar="BENCH.toml",
+        type=Path,
+        default=None,
+        help="run the tests marked `hardware` on this bench; its lamps will burn",
+    )
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("--bench") is not None:
+        return
+    skip = pytest.mark.skip(reason="needs a real bench: --bench BENCH.toml")
+    for item in items:
+        if item.get_closest_marker("hardware"):
+            item.add_marker(skip)
+
+
+@pytest.fixture
+def hardware_bench(request: pytest.FixtureRequest) -> Iterator[Any]:
+    """The bench that `--bench` names, opened; dark again afterwards."""
+    from service.bench import open_bench
+
+    with open_bench(request.config.getoption("--bench")) as bench:
+        yield bench
