@@ -1,0 +1,68 @@
+"""Where darkflat keeps its things and what it accepts; every field is `DARKFLAT_<NAME>`."""
+
+import os
+from pathlib import Path
+from typing import Self
+
+from pydantic import Field, ValidationError
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+from calib.errors import InputError
+
+
+def _data_folder() -> Path:
+    """Return where the system keeps a user's data: XDG_DATA_HOME, else ~/.local/share."""
+    base = os.environ.get("XDG_DATA_HOME") or "~/.local/share"
+    return Path(base).expanduser() / "darkflat"
+
+
+class Settings(BaseSettings):
+    """Read once at the start, from the environment; a typo in a value is an error."""
+
+    model_config = SettingsConfigDict(env_prefix="DARKFLAT_", frozen=True)
+
+    home: Path = Field(default_factory=_data_folder)
+    """The folder of coefficient sets, recordings and, by default, the store's SQLite file."""
+    store_url: str = ""
+    """SQLAlchemy URL of the store; empty: SQLite in `home`."""
+    bench: Path | None = None
+    """The bench file; None: a simulated bench where one is needed."""
+    host: str = "127.0.0.1"
+    port: int = Field(default=8642, ge=0, le=65535)
+    max_upload_bytes: int = Field(default=16 << 30, gt=0)
+    """Of one recording, as uploaded and once unpacked."""
+    max_upload_files: int = Field(default=10_000, gt=0)
+    max_frames_bytes: int = Field(default=1 << 30, gt=0)
+    """Of the raw lines of one `apply`."""
+    max_queued_jobs: int = Field(default=100, gt=0)
+
+    @classmethod
+    def load(cls) -> Self:
+        """Return the settings of the environment; InputError `bad-setting` names a bad one."""
+        try:
+            return cls()
+        except ValidationError as error:
+            first = error.errors()[0]
+            name = "_".join(str(part) for part in first["loc"]).upper()
+            msg = f"DARKFLAT_{name} = {first['input']!r}: {first['msg']}; correct or unset it"
+            raise InputError(msg, code="bad-setting") from error
+
+    @property
+    def url(self) -> str:
+        """The store's URL."""
+        return self.store_url or f"sqlite:///{self.home / 'store.sqlite3'}"
+
+    @property
+    def sets_folder(self) -> Path:
+        """Of the content-addressed coefficient sets, `<sha256>.h5`."""
+        return self.home / "coefficient-sets"
+
+    @property
+    def recordings_folder(self) -> Path:
+        """Of the recordings that were uploaded, one folder per digest."""
+        return self.home / "recordings"
+
+    @property
+    def work_folder(self) -> Path:
+        """Of what is under way; on the same file system as what it becomes."""
+        return self.home / "work"

@@ -1,0 +1,1 @@
+"""The store: coefficient sets and their lives, recordings, jobs. SQLite by default."""

@@ -1,0 +1,49 @@
+"""Bringing the database to the schema that this version knows."""
+
+from pathlib import Path
+
+from sqlalchemy import Connection, Engine, inspect, text
+
+from service.store.engine import store_errors, writing
+from service.store.errors import StoreError
+
+HEAD = "0001"
+"""The newest revision in `migrations/versions`."""
+
+MIGRATIONS = Path(__file__).parent / "migrations"
+
+
+def migrate(engine: Engine) -> None:
+    """Upgrade to `HEAD`, in one transaction; several processes may do so at once.
+
+    Raises:
+        StoreError: `store-too-new` where a newer darkflat has been here.
+    """
+    with store_errors():
+        with engine.connect() as connection:
+            if _revision(connection) == HEAD:
+                return
+        with writing(engine).begin() as connection:
+            _upgrade(connection)
+
+
+def _revision(connection: Connection) -> str | None:
+    if not inspect(connection).has_table("alembic_version"):
+        return None
+    found: str | None = connection.scalar(text("SELECT version_num FROM alembic_version"))
+    return found
+
+
+def _upgrade(connection: Connection) -> None:
+    from alembic import command  # noqa: PLC0415  (0.2 s that a current store does not need)
+    from alembic.config import Config  # noqa: PLC0415
+    from alembic.util import CommandError  # noqa: PLC0415
+
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
+    config.attributes["connection"] = connection
+    try:
+        command.upgrade(config, "head")
+    except CommandError as error:
+        msg = f"the store was written by a newer darkflat ({error}); upgrade this one"
+        raise StoreError(msg, code="store-too-new") from error

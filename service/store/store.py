@@ -1,0 +1,66 @@
+"""The store, opened: the database migrated, the folders known."""
+
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from sqlalchemy import text
+
+from service.settings import Settings
+from service.store.coefficient_sets import CoefficientSets
+from service.store.engine import open_engine, writing_session
+from service.store.jobs import Jobs
+from service.store.migrate import migrate
+from service.store.recordings import Recordings
+from service.store.set_files import SetFiles
+
+
+class Store:
+    """Holds the database's connections until closed; a context manager. Thread-safe.
+
+    Attributes:
+        sets: Coefficient sets and their lives.
+        recordings: By digest.
+        jobs: Long work.
+    """
+
+    def __init__(self, url: str, sets_folder: Path) -> None:
+        """Open the database at `url` and bring it to this version's schema.
+
+        Raises:
+            StoreError: `bad-store-url`, `store-not-writable`, `store-busy`, `store-too-new`.
+        """
+        self._engine = open_engine(url)
+        try:
+            migrate(self._engine)
+        except BaseException:
+            self._engine.dispose()
+            raise
+        self.sets = CoefficientSets(self._engine, SetFiles(sets_folder))
+        self.recordings = Recordings(self._engine)
+        self.jobs = Jobs(self._engine)
+
+    @classmethod
+    def open(cls, settings: Settings) -> Self:
+        """Open the store that the settings name."""
+        return cls(settings.url, settings.sets_folder)
+
+    def check_writable(self) -> None:
+        """Raise StoreError unless a writing transaction can be begun and ended."""
+        with writing_session(self._engine) as session:
+            session.execute(text("UPDATE alembic_version SET version_num = version_num"))
+
+    def close(self) -> None:
+        """Release the database; safe to call twice."""
+        self._engine.dispose()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
