@@ -16,10 +16,10 @@ from calib.arrays import RawLines
 from calib.errors import InputError
 from calib.kernels import radiance as kernel
 from calib.radiometric.apply_checks import (
-    Finding,
     Validity,
     domain_findings,
     mismatches,
+    refuse,
     validity_findings,
 )
 from calib.radiometric.apply_terms import column_terms
@@ -56,6 +56,14 @@ class Radiance:
             np.empty(shape, np.float32) if std else None,
             np.empty(shape, np.uint8),
         )
+
+    def check_fits(self, dn: RawLines) -> None:
+        """Raise InputError `wrong-shape` unless the arrays are writable ones for lines `dn`."""
+        floats = [self.radiance] if self.std is None else [self.radiance, self.std]
+        for array, dtype in [(each, np.float32) for each in floats] + [(self.flags, np.uint8)]:
+            if array.shape != dn.shape or array.dtype != dtype or not array.flags.carray:
+                msg = f"Output for lines {dn.shape} must be contiguous {np.dtype(dtype)} like them."
+                raise InputError(msg, code="wrong-shape")
 
 
 class Correction:
@@ -106,7 +114,7 @@ class Correction:
         at = camera.started_at if at is None else at
         against = mismatches(coefficients, camera) + validity_findings(validity, at)
         if not force:
-            _refuse(against)
+            refuse(against)
         findings = against + domain_findings(coefficients, exposure_us, sensor_temperature_c)
         self.coefficients = coefficients
         self.camera = camera
@@ -136,9 +144,7 @@ class Correction:
         self._check(dn)
         codes = cast("RawLines", np.ascontiguousarray(dn))
         result = Radiance.empty(*codes.shape, std=std) if out is None else out
-        if result.radiance.shape != codes.shape or result.flags.shape != codes.shape:
-            msg = f"Lines of shape {codes.shape} do not fit into {result.radiance.shape}."
-            raise InputError(msg, code="wrong-shape")
+        result.check_fits(codes)
         kernel.correct(
             codes,
             self._single,
@@ -186,15 +192,3 @@ class Correction:
             return 3.0 * sqrt(noise + self.terms.gain * max(level, 0.0))
 
         return ceil(lowest - reach(lowest)), floor(highest + reach(highest)), full_scale
-
-
-def _refuse(findings: list[Finding]) -> None:
-    """Raise what speaks against the set in one sentence."""
-    if not findings:
-        return
-    mismatched = any(finding.flag == Flag.MISMATCHED for finding in findings)
-    msg = (
-        f"The coefficient set is not for these lines: {'; '.join(f.text for f in findings)}. "
-        "Take the set that matches, or force it."
-    )
-    raise InputError(msg, code="set-mismatch" if mismatched else "outside-validity")

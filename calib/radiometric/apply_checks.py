@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
+from calib.errors import InputError
 from calib.radiometric.coefficient_set import CoefficientSet
 from calib.radiometric.flags import Flag
 from calib.radiometric.provenance import Range
@@ -79,6 +80,18 @@ def domain_findings(
         text = f"the sensor's {temperature_c:g} °C lie outside {_span(temperatures)} °C"
         findings.append(Finding(Flag.EXTRAPOLATED, text, refuse=False))
     return findings
+
+
+def refuse(findings: list[Finding]) -> None:
+    """Raise InputError `set-mismatch` or `outside-validity`, all findings in one sentence."""
+    if not findings:
+        return
+    mismatched = any(finding.flag == Flag.MISMATCHED for finding in findings)
+    msg = (
+        f"The coefficient set is not for these lines: {'; '.join(f.text for f in findings)}. "
+        "Take the set that matches, or force it."
+    )
+    raise InputError(msg, code="set-mismatch" if mismatched else "outside-validity")
 
 
 def _within(value: float, limits: Range, *, margin: float) -> bool:
