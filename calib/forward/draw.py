@@ -7,6 +7,7 @@ from calib.forward.chain import ExpectedElectrons, expected_electrons, run
 from calib.forward.conditions import Conditions
 from calib.forward.drawn import Drawn, as_codes
 from calib.forward.effect import Effect, Stage
+from calib.forward.fused import can_fuse, draw_fused
 
 
 def draw(
@@ -22,7 +23,10 @@ def draw(
     )
     before, after = effects[:first_after_light], effects[first_after_light:]
     expected = expected_electrons(before, scene, at, rng)
-    dn = draw_link_by_link(after, expected, at, rng, bit_depth)
+    if can_fuse(after):
+        dn = draw_fused(after, expected, at, rng)
+    else:
+        dn = draw_link_by_link(after, expected, at, rng, bit_depth)
     return Drawn(dn, effects, scene, at, expected)
 
 

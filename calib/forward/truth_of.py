@@ -23,14 +23,13 @@ def truth_of(links: Mapping[str, Effect], camera: CameraHeader) -> Truth:
     offset, vignette = links.get("offset"), links.get("vignette")
     responsivity, gain = links.get("responsivity"), links.get("system_gain")
     read_noise = links.get("read_noise")
-    black = np.full(n, camera.black_level_dn)
     k = gain.columns(n, camera.gain_db) if isinstance(gain, SystemGain) else np.ones(n)
     electrons = responsivity.columns(n) if isinstance(responsivity, Responsivity) else np.ones(n)
     lens = vignette if isinstance(vignette, Vignette) else Vignette()
     return Truth(
         dark_offset_dn=offset.columns(n, camera.black_level_dn)
         if isinstance(offset, Offset)
-        else black,
+        else np.zeros(n),
         vignette=lens.profile(n),
         responsivity=electrons * k,
         axis_column=lens.axis(n),

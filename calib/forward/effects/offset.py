@@ -22,7 +22,7 @@ from calib.recording.header import CameraHeader
 
 @dataclass(frozen=True)
 class Offset(Effect):
-    """Add DN0 and the camera's black level.
+    """Add DN0 and the camera's black level, which acts through this link alone.
 
     DN0 is the mean plus a fixed Gaussian pattern, less an exponentially distributed depth in a
     share of columns; the pattern is shifted so that its mean over the columns is `mean_dn`.
