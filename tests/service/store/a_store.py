@@ -1,0 +1,51 @@
+"""What the store's tests share: coefficient sets that differ, and one that is certified."""
+
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+
+from calib.radiometric.coefficient_set import CoefficientSet
+from calib.recording.header import CameraHeader
+from service.store.records import SetRecord
+from service.store.store import Store
+from tests.calib.radiometric.example_set import example_set
+
+SETTING: dict[str, Any] = {"serial": "B0001", "band": "NIR", "gain_db": 0.0, "bit_depth": 12}
+
+
+def a_set(dark_offset_dn: float = 30.0, **camera: Any) -> CoefficientSet:
+    """Return a set that differs from others by its offset, or its camera."""
+    header = {"serial": "B0001", "columns": 32, "bit_depth": 12, "band": "NIR", **camera}
+    return example_set(
+        dark_offset_dn=np.full(32, dark_offset_dn), camera=CameraHeader.model_validate(header)
+    )
+
+
+def day(month: int, of_month: int = 1) -> datetime:
+    """Return a day of 2026, UTC."""
+    return datetime(2026, month, of_month, tzinfo=UTC)
+
+
+def verified(store: Store, coefficients: CoefficientSet) -> SetRecord:
+    """Add a set and verify it."""
+    added = store.sets.add(coefficients, by="ada")
+    return store.sets.verify(added.id, by="ada", reason="curves look right")
+
+
+def certified(
+    store: Store,
+    coefficients: CoefficientSet,
+    valid_from: datetime,
+    valid_until: datetime | None = None,
+    **more: Any,
+) -> SetRecord:
+    """Add, verify and certify a set."""
+    return store.sets.certify(
+        verified(store, coefficients).id,
+        valid_from=valid_from,
+        valid_until=valid_until,
+        by="grace",
+        reason="annual calibration",
+        **more,
+    )

@@ -1,0 +1,194 @@
+"""Several writers, deaths in the middle, other versions, bad places."""
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy import text
+
+from calib.errors import DarkflatError
+from service.settings import Settings
+from service.store.engine import open_engine, reading_session, writing_session
+from service.store.errors import OverlapError, StoreError
+from service.store.migrate import HEAD, MIGRATIONS, migrate
+from service.store.state import SetState
+from service.store.store import Store
+from service.store.tables import Base, SetRow
+from tests.service.store.a_store import SETTING, a_set, certified, day, verified
+
+
+def open_at(folder: Path) -> Store:
+    return Store(f"sqlite:///{folder / 'store.sqlite3'}", folder / "sets")
+
+
+def test_of_two_writers_that_certify_for_the_same_time_one_is_refused(tmp_path: Path) -> None:
+    with open_at(tmp_path) as one, open_at(tmp_path) as two:
+        ids = [verified(one, a_set(30.0)).id, verified(two, a_set(31.0)).id]
+
+        def certify(store: Store, set_id: str) -> bool:
+            try:
+                store.sets.certify(
+                    set_id, valid_from=day(1), valid_until=None, by="ada", reason="due"
+                )
+            except OverlapError:
+                return False
+            return True
+
+        with ThreadPoolExecutor(2) as pool:
+            done = list(pool.map(certify, (one, two), ids))
+        assert sorted(done) == [False, True]
+        assert one.sets.lookup(**SETTING, at=day(2)).id == ids[done.index(True)]
+
+
+def test_writers_wait_for_each_other(tmp_path: Path) -> None:
+    with open_at(tmp_path) as one, open_at(tmp_path) as two:
+
+        def add(i: int) -> str:
+            return (one if i % 2 else two).sets.add(a_set(float(i)), by="ada").id
+
+        with ThreadPoolExecutor(4) as pool:
+            added = set(pool.map(add, range(12)))
+        assert {record.id for record in one.sets.list().items} == added
+
+
+def test_the_database_survives_what_kills_its_writer(tmp_path: Path) -> None:
+    """SIGKILL inside the transaction that certifies: after it, nothing of it is there."""
+    with open_at(tmp_path) as store:
+        old = certified(store, a_set(30.0), day(1))
+        new = verified(store, a_set(31.0))
+    script = f"""
+import os, signal
+from datetime import datetime, UTC
+from pathlib import Path
+from sqlalchemy import event
+from sqlalchemy.orm import Session
+from service.store.store import Store
+store = Store("sqlite:///{tmp_path}/store.sqlite3", Path("{tmp_path}/sets"))
+event.listen(Session, "before_commit", lambda session: os.kill(os.getpid(), signal.SIGKILL))
+store.sets.certify("{new.id}", valid_from=datetime(2026, 5, 1, tzinfo=UTC), valid_until=None,
+                   by="ada", reason="due", supersedes=["{old.id}"])
+"""
+    died = subprocess.run([sys.executable, "-c", script], cwd=Path.cwd(), check=False)
+    assert died.returncode == -signal.SIGKILL
+    with open_at(tmp_path) as store:
+        assert store.sets.get(new.id) == new
+        assert store.sets.get(old.id) == old
+        assert store.sets.lookup(**SETTING, at=day(6)).id == old.id
+        store.sets.certify(
+            new.id, valid_from=day(5), valid_until=None, by="a", reason="d", supersedes=[old.id]
+        )
+
+
+def test_an_error_inside_a_transaction_undoes_all_of_it(store: Store) -> None:
+    record = store.sets.add(a_set(), by="ada")
+    with pytest.raises(ZeroDivisionError), writing_session(store._engine) as session:
+        session.query(SetRow).one().state = SetState.REVOKED.value
+        session.flush()
+        _ = 1 / 0
+    assert store.sets.get(record.id) == record
+
+
+def test_a_file_that_cannot_be_written_leaves_no_record(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    with open_at(tmp_path) as store:
+        monkeypatch.setattr(os, "fsync", full)
+        with pytest.raises(DarkflatError):
+            store.sets.add(a_set(), by="ada")
+        monkeypatch.undo()
+        assert store.sets.list().items == ()
+        assert list((tmp_path / "sets").iterdir()) == []
+
+
+def test_the_migrations_make_the_schema_that_the_tables_describe(store: Store) -> None:
+    with store._engine.connect() as connection:
+        differences = compare_metadata(MigrationContext.configure(connection), Base.metadata)
+    assert differences == []
+    assert ScriptDirectory(str(MIGRATIONS)).get_current_head() == HEAD
+
+
+def test_two_processes_may_migrate_at_once(tmp_path: Path) -> None:
+    engines = [open_engine(f"sqlite:///{tmp_path / 'store.sqlite3'}") for _ in range(2)]
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(migrate, engines))
+    for engine in engines:
+        engine.dispose()
+
+
+def test_a_store_of_a_newer_version_is_refused(tmp_path: Path) -> None:
+    with open_at(tmp_path) as store, writing_session(store._engine) as session:
+        session.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+    with pytest.raises(StoreError) as refused:
+        open_at(tmp_path)
+    assert refused.value.code == "store-too-new"
+
+
+def test_sqlite_is_set_up_for_several_writers(store: Store) -> None:
+    with reading_session(store._engine) as session:
+        answers = {
+            name: session.scalar(text(f"PRAGMA {name}"))
+            for name in ("journal_mode", "foreign_keys", "synchronous", "busy_timeout")
+        }
+    assert answers == {
+        "journal_mode": "wal", "foreign_keys": 1, "synchronous": 2, "busy_timeout": 10_000,
+    }  # fmt: skip
+
+
+def test_a_certification_of_an_unknown_set_violates_the_schema(store: Store) -> None:
+    statement = (
+        "INSERT INTO transitions (set_id, after, at, by, reason)"
+        " VALUES ('nobody', 'draft', '2026-01-01 00:00:00.000000', 'a', 'b')"
+    )
+    with pytest.raises(Exception, match="FOREIGN KEY"), writing_session(store._engine) as session:
+        session.execute(text(statement))
+
+
+def test_bad_places_are_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    (tmp_path / "junk.sqlite3").write_bytes(b"this is no database, whatever its name says" * 99)
+    for url, code in (
+        ("nonsense", "bad-store-url"),
+        ("mysterysql://x/y", "bad-store-url"),
+        (f"sqlite:///{tmp_path}/file/store.sqlite3", "store-not-writable"),
+        (f"sqlite:///{tmp_path}/junk.sqlite3", "store-damaged"),
+    ):
+        with pytest.raises(StoreError) as refused:
+            Store(url, tmp_path / "sets")
+        assert refused.value.code == code, url
+
+
+def test_a_writer_that_waits_too_long_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("service.store.engine.BUSY_TIMEOUT_MS", 50)
+    with open_at(tmp_path) as store:
+        other = sqlite3.connect(tmp_path / "store.sqlite3", isolation_level=None)
+        other.execute("BEGIN IMMEDIATE")
+        with pytest.raises(StoreError) as refused:
+            store.sets.add(a_set(), by="ada")
+        other.execute("ROLLBACK")
+        other.close()
+        assert refused.value.code == "store-busy"
+
+
+def test_the_settings_say_where_the_store_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DARKFLAT_HOME", str(tmp_path))
+    assert Settings.load().url == f"sqlite:///{tmp_path}/store.sqlite3"
+    with Store.open(Settings.load()) as store:
+        store.check_writable()
+    monkeypatch.setenv("DARKFLAT_PORT", "many")
+    with pytest.raises(DarkflatError, match="DARKFLAT_PORT"):
+        Settings.load()
