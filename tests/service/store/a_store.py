@@ -49,3 +49,16 @@ def certified(
         reason="annual calibration",
         **more,
     )
+
+
+def take_step(store: Store, set_id: str, step: str) -> SetRecord:
+    """Verify, certify or revoke a set."""
+    match step:
+        case "verify":
+            return store.sets.verify(set_id, by="ada")
+        case "certify":
+            return store.sets.certify(
+                set_id, valid_from=day(1), valid_until=None, by="ada", reason="due"
+            )
+        case _:
+            return store.sets.revoke(set_id, by="ada", reason="wrong")

@@ -89,10 +89,15 @@ store.sets.certify("{new.id}", valid_from=datetime(2026, 5, 1, tzinfo=UTC), vali
 
 def test_an_error_inside_a_transaction_undoes_all_of_it(store: Store) -> None:
     record = store.sets.add(a_set(), by="ada")
-    with pytest.raises(ZeroDivisionError), writing_session(store._engine) as session:
-        session.query(SetRow).one().state = SetState.REVOKED.value
-        session.flush()
-        _ = 1 / 0
+
+    def fail_half_way() -> None:
+        with writing_session(store._engine) as session:
+            session.query(SetRow).one().state = SetState.REVOKED.value
+            session.flush()
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail_half_way()
     assert store.sets.get(record.id) == record
 
 
