@@ -1,0 +1,130 @@
+"""AgCam's radiometric calibration of a linescan camera, from a recording to a coefficient set.
+
+Source: Olsen, D. et al. (2010), Radiometric calibration for AgCam, Remote Sensing 2, 464-477,
+Eqs. 1-3 and section 5. Where this differs, and why, is in docs/calibration.md.
+"""
+
+from collections.abc import Callable, Mapping
+from importlib.metadata import PackageNotFoundError, version
+
+from calib.radiometric.calibration import Calibration
+from calib.radiometric.choices import Choices
+from calib.radiometric.from_statistics import Determined, determine
+from calib.radiometric.provenance import Parameter, Provenance
+from calib.radiometric.selection import CLIP_SIGMA
+from calib.radiometric.source_uncertainty import SourceUncertainty
+from calib.radiometric.uniformity import (
+    Uniformity,
+    held_out_lines,
+    nearest_to_half_scale,
+    uniformity,
+)
+from calib.radiometric.vignette import ORDERS
+from calib.recording.block_statistics import RecordingStatistics
+from calib.recording.protocol import Recording
+from calib.recording.statistics import column_statistics, never
+from calib.recording.tone import Tone
+
+HELD_OUT_EVERY = 8
+
+
+def calibrate(
+    recording: Recording,
+    *,
+    radiances: Mapping[float, float] | None = None,
+    source: SourceUncertainty | None = None,
+    tone: Tone | None = None,
+    order: int | None = None,
+    relative: bool = False,
+    darks_required: bool = True,
+    held_out_every: int = HELD_OUT_EVERY,
+    plan: str = "",
+    progress: Callable[[float], None] | None = None,
+    cancelled: Callable[[], bool] = never,
+) -> Calibration:
+    """Determine DN0, VE and QE of every column, and how sure they are.
+
+    Args:
+        recording: Flats of at least one level at two exposures, and capped darks.
+        radiances: Radiance by level, in the recording's unit; goes before what blocks state.
+        source: Type B uncertainties of the source; None takes those of the recording's header.
+        tone: A synchronous tone that is removed before lines are averaged.
+        order: Degree of the vignette's polynomial; None chooses it by prediction.
+        relative: Accept a recording without radiances; radiance 1 is the reference level's.
+        darks_required: Refuse a recording without capped darks.
+        held_out_every: One line of so many is kept from the fit to judge the result; 0 keeps none.
+        plan: The plan that was run, as text, for the provenance.
+        progress: Called with the share that is done, 0 to 1.
+        cancelled: Asked before each frame; True ends in CancelledError.
+
+    Raises:
+        InputError: The recording or an argument cannot be used (codes: `determine`).
+        NotDeterminedError: The recording does not determine what is asked (codes: `determine`).
+    """
+    choices = Choices(radiances, source, order, relative, darks_required)
+    statistics = column_statistics(
+        recording,
+        tone=tone,
+        held_out_every=held_out_every,
+        progress=progress,
+        cancelled=cancelled,
+    )
+    provenance = _provenance(recording, choices, tone, held_out_every, plan)
+    determined = determine(statistics, recording.header, provenance, choices)
+    return Calibration(
+        coefficients=determined.coefficients,
+        darks=determined.darks,
+        uniformity=_judge(recording, statistics, determined, held_out_every),
+        figures=determined.figures,
+        warnings=(*recording.warnings, *determined.warnings),
+    )
+
+
+def _judge(
+    recording: Recording,
+    statistics: RecordingStatistics,
+    determined: Determined,
+    held_out_every: int,
+) -> Uniformity | None:
+    """Return the coefficients of variation on held-out lines; None where none are held out."""
+    full_scale = recording.header.camera.full_scale_dn
+    held_out = nearest_to_half_scale(statistics.held_out, full_scale)
+    if held_out is None:
+        return None
+    lines = held_out_lines(recording.frames(held_out.block.block), held_out_every)
+    return uniformity(determined.coefficients, held_out, lines)
+
+
+def _provenance(
+    recording: Recording, choices: Choices, tone: Tone | None, held_out_every: int, plan: str
+) -> Provenance:
+    """Return what makes the set repeatable."""
+    camera = recording.header.camera
+    parameters: dict[str, Parameter] = {
+        "order": choices.order,
+        "relative": choices.relative,
+        "held_out_every": held_out_every,
+        "clip_sigma": CLIP_SIGMA,
+        "orders": f"{ORDERS[0]}-{ORDERS[-1]}",
+    }
+    for level, radiance in (choices.radiances or {}).items():
+        parameters[f"radiance_of_level_{level:g}"] = radiance
+    if tone is not None:
+        parameters["tone_cycles_per_pixel"] = tone.cycles_per_pixel
+        parameters["tone_pixels_per_line"] = tone.pixels_per_line
+    return Provenance(
+        recording_digest=recording.digest(),
+        recording_name=recording.path.name,
+        started_at=camera.started_at.isoformat() if camera.started_at else "",
+        plan=plan,
+        software_version=_software_version(),
+        parameters=parameters,
+    )
+
+
+def _software_version() -> str:
+    """Return darkflat's version; "" where it is not installed as a package."""
+    try:
+        return version("darkflat")
+    except PackageNotFoundError:
+        return ""

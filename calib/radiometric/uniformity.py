@@ -1,0 +1,112 @@
+"""How uniform a uniform source looks before and after the correction.
+
+AgCam (Olsen et al. 2010), section 5.4: the coefficient of variation along the columns, before the
+correction of the raw DN divided by VE, after it of the radiance. It is taken of the mean line and,
+since the paper does not say which it prints, as the median over single lines too; from lines that
+the fit did not use, of the flat block nearest to half of full scale.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.arrays import Columns, RawLines
+from calib.radiometric.coefficient_set import CoefficientSet
+from calib.recording.block_statistics import BlockStatistics
+
+LINES_AT_MOST = 2048
+
+
+@dataclass(frozen=True)
+class Uniformity:
+    """Coefficients of variation along the valid columns, percent.
+
+    Attributes:
+        block: The block's name.
+        n_lines: How many held-out lines there are.
+        before: Of the mean line's DN / VE.
+        after: Of the mean line's radiance.
+        before_offset_removed: Of (DN − dark level) / VE: the responsivity's scatter alone.
+        before_single_line: Median over single lines; None where no lines were looked at.
+        after_single_line: As above.
+    """
+
+    block: str
+    n_lines: int
+    before: float
+    after: float
+    before_offset_removed: float
+    before_single_line: float | None = None
+    after_single_line: float | None = None
+
+
+def nearest_to_half_scale(
+    statistics: Sequence[BlockStatistics], full_scale_dn: int
+) -> BlockStatistics | None:
+    """Return the flat block whose median column is nearest to half of full scale."""
+    flats = [s for s in statistics if s.block.kind == "flat" and s.n_lines > 0]
+    if not flats:
+        return None
+    return min(flats, key=lambda s: abs(float(np.median(s.mean_dn)) - 0.5 * full_scale_dn))
+
+
+def held_out_lines(stretches: Iterable[RawLines], every: int) -> Iterator[RawLines]:
+    """Yield the lines that `column_statistics` holds out of a block: each `every`-th one.
+
+    They are raw: a tone that is removed before averaging is still in them.
+    """
+    seen = 0
+    for stretch in stretches:
+        yield stretch[every - 1 - seen % every :: every]
+        seen += len(stretch)
+
+
+def uniformity(
+    coefficients: CoefficientSet, held_out: BlockStatistics, lines: Iterable[RawLines] = ()
+) -> Uniformity:
+    """Judge a set on one block.
+
+    Args:
+        coefficients: The set.
+        held_out: Statistics of lines that the fit did not use.
+        lines: Those lines themselves, for the figures of single lines; stretches of them.
+    """
+    exposure = held_out.block.exposure_us
+    before, after, cleaned = _variations(coefficients, held_out.mean_dn[None, :], exposure)
+    single: list[tuple[Columns, Columns]] = []
+    seen = 0
+    for stretch in lines:
+        if seen >= LINES_AT_MOST:
+            break
+        single.append(_variations(coefficients, stretch, exposure)[:2])
+        seen += len(stretch)
+    raw, corrected = (
+        (np.concatenate(v) for v in zip(*single, strict=True)) if seen else (None, None)
+    )
+    return Uniformity(
+        block=held_out.block.block,
+        n_lines=held_out.n_lines,
+        before=float(before[0]),
+        after=float(after[0]),
+        before_offset_removed=float(cleaned[0]),
+        before_single_line=None if raw is None else float(np.median(raw)),
+        after_single_line=None if corrected is None else float(np.median(corrected)),
+    )
+
+
+def _variations(
+    coefficients: CoefficientSet, dn: RawLines | Columns, exposure_us: float
+) -> tuple[Columns, Columns, Columns]:
+    """Return, in percent and by line: of DN/VE, of radiance, of (DN − dark)/VE."""
+    use = coefficients.valid
+    codes = dn[:, use].astype(np.float64)
+    above = codes - coefficients.dark_level_dn(exposure_us)[use]
+    vignette = coefficients.vignette[use]
+    radiance = above / (coefficients.slope[use] * exposure_us)
+    return _percent(codes / vignette), _percent(radiance), _percent(above / vignette)
+
+
+def _percent(values: Columns) -> Columns:
+    """Return 100·standard deviation / mean along the columns, (n_lines,)."""
+    return np.asarray(100.0 * values.std(axis=1, ddof=1) / values.mean(axis=1))
