@@ -107,9 +107,10 @@ def _amplitude(dn: RawLines, tone: Tone, demodulated_columns: Phasors) -> comple
             "record longer frames",
             code="tone-not-determined",
         )
-    codes = dn.sum(axis=0, dtype=np.float64)
+    codes = dn.sum(axis=0, dtype=np.uint64)
     projected = complex(np.sum(np.conj(p) * (demodulated_columns - np.conj(w.mean()) * codes)))
-    return 2 * (power * projected - (squares * projected).conjugate()) / determinant
+    amplitude: complex = 2 * (power * projected - (squares * projected).conjugate()) / determinant
+    return amplitude
 
 
 def _sums_of(at_column: Phasors, w: Phasors, demodulated_lines: Phasors) -> ToneSums:

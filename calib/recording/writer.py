@@ -20,7 +20,6 @@ from calib.arrays import RawLines
 from calib.errors import DarkflatError, InputError
 from calib.recording.block_order import check_new_block, check_order
 from calib.recording.commit_log import Entry
-from calib.recording.durable import disk_errors
 from calib.recording.file_layout import Provenance
 from calib.recording.frame_codes import checked_codes, crc32_of, sample_shape
 from calib.recording.frame_record import FrameRecord
@@ -165,8 +164,7 @@ class RecordingWriter:
                 code="lines-mismatch",
             )
         check_order(self._whole, block, str(self.path))
-        with disk_errors(self.path):
-            self._store.sync()
+        self._store.sync()
         self._commit({"kind": "end", "block": _to_json(block)})
         self._log.sync()
         self._whole.append(block)
