@@ -27,7 +27,7 @@ def recording_header(
         model: What the camera says of itself; the plan's own text goes before it.
         serial: Likewise.
         started_at: UTC; block times count from it.
-        provenance: More keys for the header, e.g. the camera's features.
+        provenance: More keys for the header; readers keep them and say so.
     """
     camera = plan.camera
     return RecordingHeader(
@@ -51,6 +51,7 @@ def recording_header(
 
 
 def _source(plan: Plan) -> SourceHeader:
-    known = plan.source.model_dump(exclude={"radiance", "lamps"})
+    unsaid = set() if plan.source.identity else {"identity"}
+    known = plan.source.model_dump(exclude={"radiance", "lamps", *unsaid})
     lamps = plan.source.lamps if plan.source.lamps is not None else ceil(max(plan.levels()))
     return SourceHeader(lamps=lamps, **known)

@@ -60,10 +60,10 @@ def new_recording(
         model=camera.identity.model,
         serial=camera.identity.serial,
         started_at=datetime.fromtimestamp(clock.wall(), UTC),
-        bench=bench.id,
     )
+    features = {**camera.features(), **_provenance(bench)}
     return RecordingWriter.create(
-        out, header, used.frame_lines, plan=plan.dumps(), features=camera.features()
+        out, header, used.frame_lines, plan=plan.dumps(), features=features
     )
 
 
@@ -74,6 +74,16 @@ def resumed_recording(plan: Plan, bench: Bench, out: Path, used: CameraSettings)
         raise RunRefusedError(msg, code="nothing-to-resume")
     _check_same(plan, bench, out, used)
     return RecordingWriter.resume(out)
+
+
+def _provenance(bench: Bench) -> dict[str, str]:
+    """Return who the bench's devices say they are, beside the camera's features."""
+    devices = {"light": bench.light, "monitor": bench.monitor, "shutter": bench.shutter}
+    who = {name: device.identity for name, device in devices.items() if device is not None}
+    return {"bench": bench.id} | {
+        f"bench.{name}": " ".join(part for part in (i.vendor, i.model, i.serial) if part)
+        for name, i in who.items()
+    }
 
 
 def _all_columns(camera: LinescanCamera) -> int:

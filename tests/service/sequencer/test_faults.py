@@ -1,0 +1,206 @@
+"""Whatever goes wrong: lamps off, one clear sentence, and a recording that can be gone on with."""
+
+import resource
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from calib.errors import DarkflatError
+from service.bench import Bench
+from service.sequencer.run import run_plan
+from tests.service.sequencer.benches import assert_dark, short_plan, whole_blocks
+
+
+def _camera_gone(bench: Bench) -> None:
+    bench.camera.faults.vanished = True
+
+
+def _frames_lost(bench: Bench) -> None:
+    bench.camera.faults.to_lose = 1000
+
+
+def _lamp_out(bench: Bench) -> None:
+    bench.light.brown_out(1)
+
+
+def _monitor_gone(bench: Bench) -> None:
+    bench.monitor.line.fault = "lost"
+
+
+def _monitor_overflow(bench: Bench) -> None:
+    bench.monitor.range_a = 1e-9
+
+
+def _too_hot(bench: Bench) -> None:
+    bench.world.warm(61.0)
+
+
+def _shutter_stuck(bench: Bench) -> None:
+    bench.shutter.stuck = True
+
+
+LIMITS = {"interlocks": {"camera_temperature_c": [10.0, 50.0]}}
+
+FAULTS: dict[str, tuple[Callable[[Bench], None], str, str]] = {
+    "camera unplugged": (_camera_gone, "control-lost", "camera"),
+    "frames lost": (_frames_lost, "frames-lost", "were lost"),
+    "lamp out": (_lamp_out, "lamp-out", "off: lamp 1"),
+    "monitor unplugged": (_monitor_gone, "device-lost", "monitor"),
+    "monitor out of range": (_monitor_overflow, "monitor-overflow", "range"),
+    "camera too hot": (_too_hot, "interlock", "61.0 °C"),
+    "shutter stuck": (_shutter_stuck, "shutter-stuck", "shutter"),
+}
+
+
+def at_frame(n: int, act: Callable[[], None]):
+    """Return a listener that acts once, when `n` frames are committed."""
+    acted = []
+
+    def listen(progress):
+        if progress.frames >= n and not acted:
+            acted.append(True)
+            act()
+
+    return listen
+
+
+@pytest.mark.parametrize(("inject", "code", "said"), FAULTS.values(), ids=FAULTS)
+def test_a_fault_in_a_block_ends_dark_in_one_sentence_and_can_be_salvaged(
+    bench, out, inject, code, said
+):
+    states = []
+    trigger = at_frame(6, lambda: inject(bench))
+
+    def listen(progress):
+        states.append(progress.state)
+        trigger(progress)
+
+    with pytest.raises(DarkflatError) as caught:
+        run_plan(bench, short_plan(**LIMITS), out, on_progress=listen)
+    assert caught.value.code == code
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert_dark(bench.world)
+    assert states[-2:] == ["aborting", "failed"]
+    kept = whole_blocks(out)
+    assert set(kept) < {"000", "001", "002", "003"}
+    assert set(kept.values()) == {32}
+
+
+@pytest.mark.parametrize("inject", [_lamp_out, _too_hot, _frames_lost])
+def test_a_run_that_failed_goes_on_once_the_fault_is_mended(bench, out, inject):
+    with pytest.raises(DarkflatError):
+        run_plan(bench, short_plan(**LIMITS), out, on_progress=at_frame(6, lambda: inject(bench)))
+    bench.world.warm(25.0)
+    bench.camera.faults.to_lose = 0
+    result = run_plan(bench, short_plan(**LIMITS), out, resume=True)
+    assert result.state == "succeeded"
+    assert whole_blocks(out) == dict.fromkeys(("000", "001", "002", "003"), 32)
+    assert_dark(bench.world)
+
+
+def test_a_light_that_is_lost_is_said_to_be_still_on(bench, out):
+    def unplug():
+        bench.light.line.fault = "lost"
+
+    with pytest.raises(DarkflatError) as caught:
+        run_plan(bench, short_plan(), out, on_progress=at_frame(6, unplug))
+    assert caught.value.code == "lamps-not-off"
+    assert "switch them off by hand" in str(caught.value)
+    assert set(whole_blocks(out).values()) == {32}
+    bench.light.line.fault = "none"
+
+
+def test_a_lamp_that_does_not_go_off_is_an_error_even_after_a_good_run(bench, out):
+    bench.light.stuck.add(1)
+    with pytest.raises(DarkflatError, match="lamp 1") as caught:
+        run_plan(bench, short_plan(), out)
+    assert caught.value.code == "lamps-not-off"
+    assert len(whole_blocks(out)) == 4
+    bench.light.stuck.clear()
+
+
+def test_a_light_that_never_settles_is_named_with_what_the_monitor_did(bench, out):
+    settle = {"tolerance_percent": 1e-9, "stable_for_s": 0.02, "interval_s": 0.01, "timeout_s": 0.1}
+    with pytest.raises(DarkflatError, match="level 1 was not steady") as caught:
+        run_plan(bench, short_plan(settle=settle), out)
+    assert caught.value.code == "light-not-settled"
+    assert "the monitor" in str(caught.value)
+    assert_dark(bench.world)
+
+
+def test_the_monitor_interlock_holds_only_while_lamps_are_seen(bench, out):
+    dim = {"interlocks": {"monitor_a": [1e-12, 1e-9]}}
+    with pytest.raises(DarkflatError, match="before block 001: the monitor reads") as caught:
+        run_plan(bench, short_plan(**dim), out)
+    assert caught.value.code == "interlock"
+    assert set(whole_blocks(out)) == {"000"}
+    assert_dark(bench.world)
+
+
+def test_a_full_disk_is_found_before_anything_is_lit(bench, out, monkeypatch):
+    class Full:
+        free = 1000
+
+    monkeypatch.setattr("service.sequencer.disk.shutil.disk_usage", lambda _path: Full)
+    with pytest.raises(DarkflatError, match=r"needs \d+\.\d MB") as caught:
+        run_plan(bench, short_plan(), out)
+    assert caught.value.code == "disk-full"
+    assert list(out.parent.iterdir()) == []
+
+
+@contextmanager
+def file_size_limit(n_bytes: int) -> Iterator[None]:
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_a_disk_that_fills_up_meanwhile_ends_the_run_dark_and_it_goes_on_later(bench, out):
+    plan = short_plan(lines=8 * 400, frame_lines=400, camera={"line_period_us": 1000.0})
+    with file_size_limit(2_000_000), pytest.raises(DarkflatError) as caught:
+        run_plan(bench, plan, out)
+    assert caught.value.code == "disk-full"
+    assert_dark(bench.world)
+    assert run_plan(bench, plan, out, resume=True).state == "succeeded"
+    assert set(whole_blocks(out).values()) == {3200}
+
+
+@pytest.mark.parametrize("frames", [0, 1, 5, 14])
+def test_an_abort_ends_dark_and_the_run_can_be_resumed(bench, out, frames):
+    stop, states = [], []
+    trigger = at_frame(frames, lambda: stop.append(True))
+
+    def listen(progress):
+        states.append(progress.state)
+        trigger(progress)
+
+    result = run_plan(bench, short_plan(), out, cancelled=lambda: bool(stop), on_progress=listen)
+    assert result.state == "cancelled"
+    assert states[-2:] == ["aborting", "cancelled"]
+    assert_dark(bench.world)
+    resumed = run_plan(bench, short_plan(), out, resume=True)
+    assert (resumed.state, resumed.blocks_done) == ("succeeded", 4)
+    assert set(whole_blocks(out).values()) == {32}
+
+
+def test_ctrl_c_ends_dark_and_is_passed_on(bench, out):
+    states = []
+
+    def interrupt():
+        raise KeyboardInterrupt
+
+    trigger = at_frame(6, interrupt)
+
+    def listen(progress):
+        states.append(progress.state)
+        trigger(progress)
+
+    with pytest.raises(KeyboardInterrupt):
+        run_plan(bench, short_plan(), out, on_progress=listen)
+    assert states[-1] == "interrupted"
+    assert_dark(bench.world)
