@@ -24,6 +24,7 @@ class SimulatedCameraProcess:
         serial: The serial number that the camera tells.
         interface: The address it answers at; it must be one of this machine's own.
         seed: Of the noise; None takes one from the system.
+        dialect: How it names its features: `sfnc2`, or `sfnc1` as older cameras do.
         wait_s: How long to wait for an address that another simulated camera occupies.
         ready_within_s: Deadline for its start, the compilation of the kernels included.
     """
@@ -36,6 +37,7 @@ class SimulatedCameraProcess:
         serial: str = "SIM1",
         interface: str = "127.0.0.1",
         seed: int | None = None,
+        dialect: str = "sfnc2",
         wait_s: float = 0.0,
         ready_within_s: float = 120.0,
     ) -> None:
@@ -45,6 +47,7 @@ class SimulatedCameraProcess:
             *("--world", str(world)),
             *("--serial", serial),
             *("--interface", interface),
+            *("--dialect", dialect),
             *("--wait", str(wait_s)),
             *(() if seed is None else ("--seed", str(seed))),
         ]
@@ -75,10 +78,22 @@ class SimulatedCameraProcess:
         )
         self._reader.start()
         if self._answer(self._deadline_s) != "ready":
-            said = self._said()
+            said = self.said()
             self.kill()
             raise self._error(f"did not start: {said or 'it said nothing'}")
         return self
+
+    @property
+    def is_running(self) -> bool:
+        """Whether it has been started and has not died."""
+        return self._process is not None and self._process.poll() is None
+
+    def said(self) -> str:
+        """Return what it has written to standard error so far."""
+        if self._errors is None:
+            return ""
+        self._errors.seek(0)
+        return self._errors.read().strip()
 
     def lose_packets(self, ratio: float) -> None:
         """Fault: lose this share of the packets from now on, at random; 0 mends it."""
@@ -136,19 +151,13 @@ class SimulatedCameraProcess:
         self._process.stdin.write(command + "\n")
         self._process.stdin.flush()
         if self._answer(5.0) != "ok":
-            raise self._error(f"did not obey `{command}`: {self._said()}")
+            raise self._error(f"did not obey `{command}`: {self.said()}")
 
     def _answer(self, timeout_s: float) -> str:
         try:
             return self._answers.get(timeout=timeout_s)
         except queue.Empty:
             return ""
-
-    def _said(self) -> str:
-        if self._errors is None:
-            return ""
-        self._errors.seek(0)
-        return self._errors.read().strip()
 
     def _signal(self, number: signal.Signals) -> None:
         if self._process is None:

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from threading import RLock
 
 import numpy as np
@@ -16,24 +16,15 @@ from drivers.mock.refusals import accepted
 from drivers.mock.sensor import VirtualSensor
 from drivers.mock.world import World
 from drivers.ports import (
-    Cancelled,
     CameraSettings,
+    Cancelled,
     CapturedFrame,
     DeviceIdentity,
     LostFrame,
-    PixelFormat,
     never,
 )
 
 _SLICE_S = 0.05  # how long a cancelled wait may go on
-
-
-def natural_format(bit_depth: int) -> PixelFormat:
-    """Return the smallest unpacked format that carries `bit_depth` bits."""
-    for bits, name in ((8, "Mono8"), (10, "Mono10"), (12, "Mono12"), (14, "Mono14")):
-        if bit_depth <= bits:
-            return name  # type: ignore[return-value]  # the literals above are PixelFormats
-    return "Mono16"
 
 
 class MockCamera:
@@ -63,13 +54,7 @@ class MockCamera:
         self._paced = paced
         self._frame_timeout_s = frame_timeout_s
         self._lock = RLock()
-        self._settings = CameraSettings(
-            exposure_us=100.0,
-            line_period_us=1000.0,
-            frame_lines=64,
-            n_columns=model.camera.columns,
-            pixel_format=natural_format(model.camera.bit_depth),
-        )
+        self._settings: CameraSettings | None = None
         self._started_s = time.monotonic()
         self._clock_s = 0.0
         self._frame_id = 0
@@ -103,15 +88,18 @@ class MockCamera:
             self._must_be_there()
             if self._acquiring:
                 raise self._error("is acquiring already", "camera-acquiring")
+            settings = self._settings
+            if settings is None:
+                raise self._error("is not configured; configure it first", "camera-not-configured")
             self._acquiring = True
             self._clock_s = max(self._clock_s, self._now_s)
         try:
             limit = LossLimit(n_frames, self._name)
             whole = 0
             while whole < n_frames:
-                if not self._wait_for_frame(cancelled):
+                if not self._wait_for_frame(settings, cancelled):
                     return
-                frame = self._next_frame()
+                frame = self._next_frame(settings)
                 if isinstance(frame, LostFrame):
                     yield frame
                     limit.count_lost()
@@ -131,7 +119,9 @@ class MockCamera:
         """The settings, and who the camera says it is."""
         with self._lock:
             self._must_be_there()
-            told = {**asdict(self._identity), **asdict(self._settings)}
+            told = asdict(self._identity)
+            if self._settings is not None:
+                told |= asdict(self._settings)
             return {name: str(value) for name, value in told.items()}
 
     def close(self) -> None:
@@ -146,14 +136,11 @@ class MockCamera:
     def _now_s(self) -> float:
         return time.monotonic() - self._started_s if self._paced else self._clock_s
 
-    @property
-    def _frame_period_s(self) -> float:
-        return self._settings.frame_lines * self._settings.line_period_us * 1e-6
-
-    def _wait_for_frame(self, cancelled: Cancelled) -> bool:
+    def _wait_for_frame(self, settings: CameraSettings, cancelled: Cancelled) -> bool:
         """Wait until the next frame's lines are exposed; False where cancelled."""
-        due_s = self._clock_s + self._frame_period_s
-        give_up_s = time.monotonic() + self._frame_period_s + self._frame_timeout_s
+        period_s = _frame_period_s(settings)
+        due_s = self._clock_s + period_s
+        give_up_s = time.monotonic() + period_s + self._frame_timeout_s
         while not cancelled():
             self._must_be_there()
             late_s = self._now_s - due_s
@@ -168,12 +155,12 @@ class MockCamera:
             time.sleep(_SLICE_S if self.faults.stalled else min(-late_s, _SLICE_S))
         return False
 
-    def _next_frame(self) -> CapturedFrame | LostFrame:
+    def _next_frame(self, settings: CameraSettings) -> CapturedFrame | LostFrame:
         with self._lock:
-            settings = self._settings
+            period_s = _frame_period_s(settings)
             # A consumer that was away finds the camera where it is now.
-            began_s = max(self._clock_s, self._now_s - self._frame_period_s)
-            self._clock_s = began_s + self._frame_period_s
+            began_s = max(self._clock_s, self._now_s - period_s)
+            self._clock_s = began_s + period_s
             self._frame_id += 1
             if self.faults.takes_next_frame():
                 return LostFrame(self._frame_id, "missing-packets (told to lose it)")
@@ -200,3 +187,7 @@ class MockCamera:
 
     def _error(self, what: str, code: str) -> DeviceError:
         return DeviceError(f"{self._name}: {what}", device=self._name, code=code)
+
+
+def _frame_period_s(settings: CameraSettings) -> float:
+    return settings.frame_lines * settings.line_period_us * 1e-6

@@ -7,11 +7,8 @@ made from these figures, so that both refuse the same settings and round alike.
 from dataclasses import dataclass
 from math import gcd
 
+from drivers.pixel_formats import FORMATS, PACKED
 from drivers.ports import PixelFormat
-
-FORMATS: tuple[PixelFormat, ...] = (
-    "Mono8", "Mono10", "Mono12", "Mono12Packed", "Mono12p", "Mono14", "Mono16",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -46,6 +43,12 @@ class CameraLimits:
     black_level_dn = Span(0.0, 1000.0, 0.01)
     """In codes of the ADC, whatever the pixel format."""
     frame_lines = Span(1, 65535, 1)
+
+    @property
+    def formats(self) -> tuple[PixelFormat, ...]:
+        """Pixel formats; a frame of packed ones must have an even number of pixels."""
+        even = self.column_step % 2 == 0
+        return tuple(name for name in FORMATS if even or name not in PACKED)
 
     @property
     def column_step(self) -> int:

@@ -1,7 +1,9 @@
 """What a simulated camera refuses, and how it rounds what it accepts."""
 
+from math import isfinite
+
 from drivers.errors import SettingRefusedError
-from drivers.mock.limits import FORMATS, CameraLimits, Span
+from drivers.mock.limits import CameraLimits, Span
 from drivers.ports import CameraSettings
 
 
@@ -13,9 +15,9 @@ def accepted(wanted: CameraSettings, limits: CameraLimits, device: str) -> Camer
             `pixel-format-unknown`; the message names the setting, its value and what would do.
     """
     _check_region(wanted, limits, device)
-    if wanted.pixel_format not in FORMATS:
+    if wanted.pixel_format not in limits.formats:
         raise SettingRefusedError(
-            f"{device}: no pixel format {wanted.pixel_format}; it has {', '.join(FORMATS)}",
+            f"{device}: no pixel format {wanted.pixel_format}; it has {', '.join(limits.formats)}",
             device=device,
             code="pixel-format-unknown",
         )
@@ -59,7 +61,7 @@ def _check_region(wanted: CameraSettings, limits: CameraLimits, device: str) -> 
 
 
 def _in_range(name: str, value: float, span: Span, device: str) -> float:
-    rounded = span.rounded(value)
+    rounded = span.rounded(value) if isfinite(value) else value
     if not span.holds(rounded):
         raise SettingRefusedError(
             f"{device}: {name} = {value:g} is outside {span.low:g} .. {span.high:g}",

@@ -7,17 +7,8 @@ from calib.arrays import RawLines
 from calib.forward.conditions import Conditions
 from calib.forward.model import Model
 from drivers.mock.world import World
+from drivers.pixel_formats import FORMATS
 from drivers.ports import CameraSettings, PixelFormat
-
-_FORMAT_BITS: dict[PixelFormat, int] = {
-    "Mono8": 8,
-    "Mono10": 10,
-    "Mono12": 12,
-    "Mono12Packed": 12,
-    "Mono12p": 12,
-    "Mono14": 14,
-    "Mono16": 16,
-}
 
 
 def aligned(dn: RawLines, adc_bits: int, pixel_format: PixelFormat) -> RawLines:
@@ -34,13 +25,12 @@ def aligned(dn: RawLines, adc_bits: int, pixel_format: PixelFormat) -> RawLines:
     Returns:
         (n_lines, n_columns), uint8 for Mono8, else uint16; a new array unless nothing changes.
     """
-    bits = _FORMAT_BITS[pixel_format]
-    dtype = np.uint8 if bits == 8 else np.uint16
-    if bits == adc_bits:
-        return dn.astype(dtype, copy=False)
+    bits = FORMATS[pixel_format].bits
     if bits < adc_bits:
-        return (dn >> np.uint8(adc_bits - bits)).astype(dtype)
-    return dn.astype(dtype) << dtype(bits - adc_bits)
+        dn = np.right_shift(dn, adc_bits - bits)
+    elif bits > adc_bits:
+        dn = np.left_shift(dn.astype(np.uint16), bits - adc_bits)
+    return dn.astype(np.uint8, copy=False) if bits == 8 else dn.astype(np.uint16, copy=False)
 
 
 class VirtualSensor:

@@ -1,0 +1,137 @@
+"""One acquisition's stream: its buffers, and what comes out of them."""
+
+from dataclasses import dataclass
+
+from drivers.aravis.arrived_frame import ArrivedFrame
+from drivers.aravis.frame_ids import FrameIds
+from drivers.aravis.gi_aravis import aravis, new_buffer
+from drivers.aravis.gi_errors import speaking
+from drivers.aravis.gi_types import GiBuffer, GiCamera, GiStream
+from drivers.aravis.native import received_bytes
+from drivers.aravis.stream_report import StreamReport
+from drivers.aravis.unpack import ByteOrder, unpacked
+from drivers.errors import DeviceError
+from drivers.pixel_formats import BY_PFNC, FORMATS
+from drivers.ports import CameraSettings, LostFrame
+
+
+@dataclass(frozen=True)
+class StreamOptions:
+    """How to receive.
+
+    Attributes:
+        packet_size: GigE Vision, bytes; None leaves the camera's, which Aravis lowers where the
+            link does not carry it.
+        n_buffers: Frames that may wait for the consumer.
+        byte_order: Of two-byte pixels.
+    """
+
+    packet_size: int | None = None
+    n_buffers: int = 16
+    byte_order: ByteOrder = "little"
+
+
+class FrameStream:
+    """Opened anew for each acquisition: the buffers always fit, and no stale frame is in them."""
+
+    def __init__(
+        self, camera: GiCamera, settings: CameraSettings, options: StreamOptions, device: str
+    ) -> None:
+        self._camera = camera
+        self._settings = settings
+        self._options = options
+        self._device = device
+        self._ids = FrameIds()
+        self._underruns = 0
+        payload = self._checked_payload()
+        self._stream = self._created()
+        for _ in range(options.n_buffers):
+            self._stream.push_buffer(new_buffer(payload))
+
+    def pop(self, timeout_s: float) -> tuple[ArrivedFrame | LostFrame, ...] | None:
+        """Return the next frame, after those that were skipped before it; None: none in time.
+
+        The pixels are copied out and the buffer goes back at once.
+        """
+        buffer = self._stream.timeout_pop_buffer(round(timeout_s * 1e6))
+        if buffer is None:
+            return None
+        try:
+            return self._judged(buffer)
+        finally:
+            self._stream.push_buffer(buffer)
+
+    def report(self) -> StreamReport:
+        """Return what was counted since the stream was opened."""
+        return StreamReport.read(self._stream)
+
+    def close(self) -> StreamReport:
+        """Stop receiving, give the buffers back; return what was counted."""
+        report = self.report()
+        del self._stream  # the last reference: its thread ends and its buffers are freed
+        return report
+
+    def _checked_payload(self) -> int:
+        """Return the bytes of a frame; a buffer of fewer would come back as a truncated success."""
+        settings = self._settings
+        needed = FORMATS[settings.pixel_format].n_bytes(settings.frame_lines * settings.n_columns)
+        with speaking(self._device, "read the payload size"):
+            payload = self._camera.get_payload()
+        if payload < needed:
+            raise DeviceError(
+                f"{self._device}: says a frame takes {payload} bytes, but {settings.n_columns} x "
+                f"{settings.frame_lines} pixels of {settings.pixel_format} take {needed}",
+                device=self._device,
+                code="payload-too-small",
+            )
+        return payload
+
+    def _created(self) -> GiStream:
+        module = aravis()
+        gige = self._camera.is_gv_device()
+        with speaking(self._device, "open its stream"):
+            if gige and self._options.packet_size is not None:
+                self._camera.gv_set_packet_size_adjustment(module.GvPacketSizeAdjustment.NEVER)
+                self._camera.gv_set_packet_size(self._options.packet_size)
+            stream = self._camera.create_stream(None, None)
+        if stream is None:
+            raise DeviceError(
+                f"{self._device}: cannot open its stream", device=self._device, code="no-stream"
+            )
+        if gige:
+            stream.set_property("socket-buffer", module.GvStreamSocketBuffer.AUTO)
+        return stream
+
+    def _judged(self, buffer: GiBuffer) -> tuple[ArrivedFrame | LostFrame, ...]:
+        frame_id = buffer.get_frame_id()
+        skipped = self._ids.missing_before(frame_id)
+        missing = self._why_missing(len(skipped))
+        before = tuple(LostFrame(each, missing) for each in skipped)
+        if self._ids.was_missed(frame_id):  # named lost already; time has gone on without it
+            return before
+        return (*before, self._frame(buffer, frame_id))
+
+    def _why_missing(self, n_skipped: int) -> str:
+        if not n_skipped:
+            return ""
+        underruns = self.report().underruns
+        new, self._underruns = underruns - self._underruns, underruns
+        return "underrun: no buffer was free" if new else "never came: its leader was lost"
+
+    def _frame(self, buffer: GiBuffer, frame_id: int) -> ArrivedFrame | LostFrame:
+        status = buffer.get_status()
+        if status != aravis().BufferStatus.SUCCESS:
+            return LostFrame(frame_id, str(getattr(status, "value_nick", status)))
+        code = BY_PFNC.get(buffer.get_image_pixel_format())
+        shape = (buffer.get_image_height(), buffer.get_image_width())
+        wanted = (self._settings.frame_lines, self._settings.n_columns)
+        if code is None or code.name != self._settings.pixel_format or shape != wanted:
+            name = code.name if code else "an unknown format"
+            return LostFrame(frame_id, f"wrong-image: {shape[1]} x {shape[0]} of {name}")
+        if any(buffer.get_image_padding()):
+            return LostFrame(frame_id, f"wrong-image: padding {buffer.get_image_padding()}")
+        try:
+            dn = unpacked(received_bytes(buffer), code, *shape, self._options.byte_order)
+        except ValueError as error:
+            return LostFrame(frame_id, f"truncated: {error}")
+        return ArrivedFrame(dn, frame_id, buffer.get_timestamp(), buffer.get_system_timestamp())

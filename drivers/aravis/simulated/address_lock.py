@@ -1,0 +1,57 @@
+"""One simulated camera per address: GigE Vision's control port is fixed.
+
+Aravis' fake camera says that it runs even where it could not bind the port, so the port is tried
+first; a lock on a file keeps two simulated cameras from trying at the same moment.
+"""
+
+import fcntl
+import socket
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from drivers.errors import DeviceBusyError
+
+GVCP_PORT = 3956
+_RETRY_S = 0.05
+
+
+@contextmanager
+def held(address: str, wait_s: float) -> Iterator[None]:
+    """Hold `address` for a simulated camera; the system lets go of it when the process dies.
+
+    Raises:
+        DeviceBusyError: Somebody else holds it after `wait_s`; code `address-taken`.
+    """
+    path = Path(tempfile.gettempdir()) / f"darkflat-gige-vision-{address}.lock"
+    deadline_s = time.monotonic() + wait_s
+    with path.open("a") as file:
+        while not (_locked(file.fileno()) and _port_free(address)):
+            if time.monotonic() >= deadline_s:
+                raise DeviceBusyError(
+                    f"{address}: UDP port {GVCP_PORT} is taken by another simulated camera or "
+                    "GigE Vision program; end it, or give another of this machine's addresses",
+                    device=address,
+                    code="address-taken",
+                )
+            time.sleep(_RETRY_S)
+        yield
+
+
+def _locked(descriptor: int) -> bool:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
+def _port_free(address: str) -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind((address, GVCP_PORT))
+        except OSError:
+            return False
+    return True
