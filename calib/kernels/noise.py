@@ -88,7 +88,7 @@ def draw_codes(
         min(full_well_e, _NEVER),
         _f(below),
         _f(above),
-        mixed(_q(key)),
+        _q(key),
         _u(first_line),
     )
     return codes
@@ -149,6 +149,7 @@ def _draw(  # noqa: PLR0917 - compiled
     """Fill `codes`; see `draw_codes`. Rounds half up: floor(x + 1/2)."""
     n_lines, n_columns = codes.shape
     step = 1 if light.shape[0] > 1 else 0
+    key = mixed(key)  # neighbouring keys become far ones
     low, high, top = _u(key), _u(key >> _q(32)), full + _f(0.5)
     variance = read_std * read_std
     checked = below > _f(0) or above < _f(1e12)
