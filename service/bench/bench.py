@@ -43,6 +43,7 @@ class Bench:
         self.caps_by_lamps_off = caps_by_lamps_off
         self.world = world
         self._resources = ExitStack()
+        self._afterwards = ExitStack()
         self._is_open = True
 
     def keep(self, resources: ExitStack) -> None:
@@ -50,8 +51,8 @@ class Bench:
         self._resources.push(resources)
 
     def on_close(self, callback: Callable[[], None]) -> None:
-        """Call `callback` on closing, once the lamps are off."""
-        self._resources.callback(callback)
+        """Call `callback` at the end of closing, when the process's signals are its own again."""
+        self._afterwards.callback(callback)
 
     def safe_off(self) -> LightState:
         """Switch every lamp off and read it back; no second Ctrl-C gets in between.
@@ -71,11 +72,8 @@ class Bench:
         if not self._is_open:
             return
         self._is_open = False
-        with shielded():
-            try:
-                self.safe_off()
-            finally:
-                self._resources.close()
+        with self._afterwards, shielded(), self._resources:
+            self.safe_off()
 
     def __enter__(self) -> Self:
         return self

@@ -27,15 +27,20 @@ def _fault(fault: Any, root: type[BaseModel]) -> str:
         reason = str(fault["ctx"]["error"])
         return f"{key}: {reason}" if location else reason
     if kind == "union_tag_not_found":
-        return f"{key}.type is missing; allowed are {_tags_at(location, root)}"
+        return f"{key}.{_tag_name(fault)} is missing; allowed are {_tags_at(location, root)}"
     if kind == "union_tag_invalid":
         return (
-            f"{key}.type = {fault['ctx']['tag']!r} is unknown; allowed are"
+            f"{key}.{_tag_name(fault)} = {fault['ctx']['tag']!r} is unknown; allowed are"
             f" {fault['ctx']['expected_tags']}"
         )
     is_no_table = kind in {"model_type", "model_attributes_type"}
     wanted = "should be a table" if is_no_table else _lowered(fault["msg"])
     return f"{key} = {fault['input']!r}: {wanted}"
+
+
+def _tag_name(fault: Any) -> str:
+    """Return the key by which the members of a union are told apart, `type` or `driver`."""
+    return str(fault["ctx"]["discriminator"]).strip("'")
 
 
 def _unknown_key(location: tuple[str | int, ...], root: type[BaseModel]) -> str:

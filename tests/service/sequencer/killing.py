@@ -1,0 +1,53 @@
+"""Starts sweeps, kills them at chosen moments, and compares what was acknowledged."""
+
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from calib.recording.commit_log import commit_path
+
+ROOT = Path(__file__).parents[3]
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What is swept, and where the recording goes."""
+
+    bench: Path
+    plan: Path
+    out: Path
+
+    def start(self) -> subprocess.Popen[bytes]:
+        """Begin or resume it in a process of its own."""
+        command = [sys.executable, "-m", "tests.service.sequencer.sweeping"]
+        files = [str(path) for path in (self.bench, self.plan, self.out)]
+        return subprocess.Popen([*command, *files], cwd=ROOT)
+
+    def acknowledged(self) -> list[bytes]:
+        """Return the whole lines of the commit record so far."""
+        path = commit_path(self.out)
+        lines = path.read_bytes() if path.exists() else b""
+        return lines.split(b"\n")[:-1]
+
+    def frames(self) -> int:
+        """Return how many frames are acknowledged."""
+        return sum(b'"kind":"frame"' in line for line in self.acknowledged())
+
+    def kill_after(self, n_frames: int, delay_s: float, deadline_s: float = 60.0) -> list[bytes]:
+        """Kill the process `delay_s` after `n_frames` more were acknowledged; return the record."""
+        until = self.frames() + n_frames
+        process = self.start()
+        give_up_s = time.monotonic() + deadline_s
+        while self.frames() < until and process.poll() is None:
+            assert time.monotonic() < give_up_s, "the sweep does not get on"
+            time.sleep(0.002)
+        time.sleep(delay_s)
+        process.kill()
+        process.wait()
+        return self.acknowledged()
+
+    def finish(self, deadline_s: float = 60.0) -> None:
+        """Let it come to its end."""
+        assert self.start().wait(deadline_s) == 0

@@ -1,0 +1,69 @@
+"""kill -9 at random moments loses no acknowledged frame, and the sweep goes on where it was."""
+
+import json
+import random
+import time
+from pathlib import Path
+
+import pytest
+import tomli_w
+
+from drivers.mock.world import World
+from service.plan.expand import expand
+from tests.service.sequencer.benches import assert_dark, in_process, short_plan, whole_blocks
+from tests.service.sequencer.killing import Sweep
+
+
+@pytest.fixture
+def sweep(tmp_path: Path) -> Sweep:
+    settings = in_process(tmp_path.name, tmp_path / "world")
+    bench, plan = tmp_path / "bench.toml", tmp_path / "plan.toml"
+    bench.write_text(tomli_w.dumps(settings.model_dump(mode="json", exclude_none=True)))
+    plan.write_text(PLAN.dumps())
+    return Sweep(bench, plan, tmp_path / "sweep.h5")
+
+
+PLAN = short_plan(lines=80, frame_lines=8)
+
+
+def assert_survived(before: list[bytes], after: list[bytes]) -> None:
+    """Fail where a line that was acknowledged is gone, or an unfinished block was kept."""
+    assert after[: len(before)] == before
+    entries = [json.loads(line) for line in after]
+    begun = [e["block"]["block"] for e in entries if e["kind"] == "begin"]
+    ended = [e["block"]["block"] for e in entries if e["kind"] == "end"]
+    superseded = [e["block"] for e in entries if e["kind"] == "superseded"]
+    assert len(ended) == len(set(ended))
+    assert sorted(begun) == sorted(ended + superseded)
+
+
+def kill_and_resume(sweep: Sweep, kills: int, most_frames: int) -> None:
+    """Kill the sweep at random moments, then let it end, checking after each."""
+    rng = random.Random()
+    record: list[bytes] = []
+    for _ in range(kills):
+        now = sweep.kill_after(rng.randrange(1, most_frames), rng.uniform(0.0, 0.03))
+        assert now[: len(record)] == record
+        record = now
+    sweep.finish()
+    assert_survived(record, sweep.acknowledged())
+
+
+def test_a_killed_sweep_ends_with_every_block_whole_and_dark(sweep: Sweep):
+    kill_and_resume(sweep, kills=2, most_frames=12)
+    wanted = {step.block.block: 80 for step in expand(PLAN)}
+    assert whole_blocks(sweep.out) == wanted
+    world = World(sweep.out.with_name("world"))
+    assert_dark(world)
+    world.close()
+
+
+def test_sigterm_leaves_the_lamps_off(sweep: Sweep):
+    process = sweep.start()
+    while sweep.frames() < 12 and process.poll() is None:
+        time.sleep(0.01)
+    process.terminate()
+    assert process.wait(30) == 128 + 15
+    world = World(sweep.out.with_name("world"))
+    assert_dark(world)
+    world.close()
