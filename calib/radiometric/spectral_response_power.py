@@ -34,7 +34,8 @@ def beam_power(
 
     The path that the source took between the two readings is not known, only its ends: the current
     is taken as straight in time, and anything between the two readings as equally likely, which
-    makes |after - before|/√12 of uncertainty (JCGM 100:2008, 4.3.7).
+    makes |after - before|/√12 of uncertainty (JCGM 100:2008, 4.3.7). The drift is the root mean
+    square over an angle's wavelengths, less what the readings' own noise brings into it.
 
     Raises:
         InputError: `reference-missing`, `reference-order` or `photodiode-range`.
@@ -59,8 +60,10 @@ def beam_power(
         change = after.current_a - before.current_a
         current[rows] = before.current_a + share * change
         noise = np.hypot((1 - share) * before.current_a_std, share * after.current_a_std)
-        std[rows] = np.hypot(noise, change / np.sqrt(12))
         drift[rows] = change / before.current_a
+        reading_noise = np.hypot(before.current_a_std, after.current_a_std) / before.current_a
+        mean_square = float(np.mean(drift[rows] ** 2 - reading_noise**2))
+        std[rows] = np.hypot(noise, before.current_a * (max(mean_square, 0.0) / 12) ** 0.5)
     responsivity, responsivity_std = _responsivity(photodiode, scan.wavelength_nm, folder)
     return BeamPower(current / responsivity, std / current, drift, responsivity_std / responsivity)
 
