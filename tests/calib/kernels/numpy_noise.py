@@ -1,10 +1,13 @@
 """NumPy twins of the noise kernel: its own arithmetic, and the plain physics."""
 
+from typing import Any
+
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy.special import ndtri
+from scipy.stats import chi2
 
 
 def splitmix64(key: int) -> int:
@@ -56,3 +59,14 @@ def physics(
     electrons = np.minimum(rng.poisson(mean, shape), full_well)
     dn = (electrons + read_std * rng.standard_normal(shape)) * gain + offset
     return np.clip(np.floor(dn + 0.5), 0, full_scale).astype(np.int64)
+
+
+def two_sample_p(a: NDArray[Any], b: NDArray[Any]) -> float:
+    """Chance of a chi-square as large as between two samples of codes of one distribution."""
+    size = int(max(a.max(), b.max())) + 1
+    counts = np.array([np.bincount(x.ravel(), minlength=size) for x in (a, b)], dtype=float)
+    rare = counts.sum(0) < 40
+    counts = np.hstack([counts[:, ~rare], counts[:, rare].sum(1, keepdims=True)])
+    counts = counts[:, counts.sum(0) > 0]
+    expected = counts.sum(0) * counts.sum(1, keepdims=True) / counts.sum()
+    return float(chi2.sf(((counts - expected) ** 2 / expected).sum(), counts.shape[1] - 1))

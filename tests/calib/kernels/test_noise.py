@@ -31,17 +31,6 @@ def draw(mean: float, read_std: float, n_lines: int, key: int, **changed: Any) -
     )
 
 
-def two_sample_p(a: NDArray[Any], b: NDArray[Any]) -> float:
-    """Chance of a chi-square as large as between two samples of codes of one distribution."""
-    size = int(max(a.max(), b.max())) + 1
-    counts = np.array([np.bincount(x.ravel(), minlength=size) for x in (a, b)], dtype=float)
-    rare = counts.sum(0) < 40
-    counts = np.hstack([counts[:, ~rare], counts[:, rare].sum(1, keepdims=True)])
-    counts = counts[:, counts.sum(0) > 0]
-    expected = counts.sum(0) * counts.sum(1, keepdims=True) / counts.sum()
-    return float(chi2.sf(((counts - expected) ** 2 / expected).sum(), counts.shape[1] - 1))
-
-
 MOMENTS = {
     "dark, no light": (0.0, 3.0),
     "few electrons, drawn exactly": (0.4, 1.0),
@@ -124,7 +113,7 @@ def test_codes_are_distributed_like_the_physics_drawn_step_by_step(case: dict[st
         rng=np.random.default_rng(8),
         **plain,
     )
-    assert two_sample_p(of_kernel, twin) > 1e-4
+    assert numpy_noise.two_sample_p(of_kernel, twin) > 1e-4
 
 
 def test_smooth_codes_are_those_of_the_same_arithmetic_in_numpy() -> None:
