@@ -60,9 +60,8 @@ class BandRadiance:
         """Return the radiance while the lamps of these indices burn; errors in common add up."""
         chosen = np.zeros(len(self.radiance))
         chosen[list(lit)] = 1.0
-        return Figure(
-            float(chosen @ self.radiance), float(np.sqrt(chosen @ self.covariance @ chosen))
-        )
+        variance = max(float(chosen @ self.covariance @ chosen), 0.0)
+        return Figure(float(chosen @ self.radiance), variance**0.5)
 
     def by_level(self) -> dict[float, Figure]:
         """Return the radiance by level: at level n the first n lamps burn."""
