@@ -52,7 +52,7 @@ def test_the_scale_of_the_response_leaves_the_average_alone():
 
 def test_no_point_of_either_grid_is_lost():
     line = LampSpectra(
-        np.array([700.0, 850.4, 850.5, 850.6, 1000.0]),
+        np.array([700.0, 840.4, 840.5, 840.6, 1000.0]),
         np.array([[0.0, 0.0, 10.0, 0.0, 0.0]]),
         np.zeros((1, 5)),
         0.0,
