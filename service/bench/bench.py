@@ -21,6 +21,7 @@ class Bench:
         monitor: Watches the source; None on a bench without.
         shutter: Caps the camera for darks.
         caps_by_lamps_off: True where a dark means that the lamps are off.
+        sensor_columns: How many columns the camera has, where the bench file's model says so.
         world: What the simulated devices share; None on real hardware.
     """
 
@@ -33,6 +34,7 @@ class Bench:
         shutter: Shutter,
         monitor: Monitor | None = None,
         caps_by_lamps_off: bool = False,
+        sensor_columns: int | None = None,
         world: World | None = None,
     ) -> None:
         self.id = bench_id
@@ -41,6 +43,7 @@ class Bench:
         self.monitor = monitor
         self.shutter = shutter
         self.caps_by_lamps_off = caps_by_lamps_off
+        self.sensor_columns = sensor_columns
         self.world = world
         self._resources = ExitStack()
         self._afterwards = ExitStack()

@@ -32,12 +32,10 @@ def open_camera(part: CameraPart, simulated: Simulated | None) -> LinescanCamera
             address = part.address or present(simulated).camera_address
             return AravisCamera.open(address, packet_size=part.packet_size)
         case MockCameraPart():
-            from calib.forward.model import Model  # noqa: PLC0415
             from drivers.mock.camera import MockCamera  # noqa: PLC0415
 
             known = present(simulated)
-            name = known.simulation.model
-            model = Model.load(name) if name.endswith(".toml") else Model.preset(name)
+            model = known.model()
             return MockCamera(model, known.world, known.simulation.seed, paced=part.paced)
 
 

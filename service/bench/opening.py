@@ -11,7 +11,7 @@ from service.bench.open_devices import open_camera, open_monitor, open_shutter
 from service.bench.open_light import open_light
 from service.bench.operator_shutter import Ask
 from service.bench.settings import BenchSettings
-from service.bench.simulated import start_simulated
+from service.bench.simulated import Simulated, start_simulated
 
 
 def open_bench(bench: Path | str | BenchSettings, *, ask: Ask | None = None) -> Bench:
@@ -61,5 +61,13 @@ def _open_devices(settings: BenchSettings, resources: ExitStack, ask: Ask | None
         monitor=monitor,
         shutter=shutter,
         caps_by_lamps_off=settings.shutter.driver == "lamps_off",
+        sensor_columns=_sensor_columns(settings, simulated),
         world=None if simulated is None else simulated.world,
     )
+
+
+def _sensor_columns(settings: BenchSettings, simulated: Simulated | None) -> int | None:
+    """A camera without a transport has no feature that tells its width: its model does."""
+    if simulated is None or settings.camera.driver != "mock":
+        return None
+    return simulated.model().camera.columns

@@ -4,10 +4,14 @@ import tempfile
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from drivers.errors import DeviceError
 from drivers.mock.world import World
 from service.bench.settings import BenchSettings, Simulation
+
+if TYPE_CHECKING:  # it compiles kernels, which a bench of hardware does not need
+    from calib.forward.model import Model
 
 
 @dataclass(frozen=True)
@@ -25,6 +29,13 @@ class Simulated:
     world: World
     ports: dict[str, str] = field(default_factory=dict)
     camera_address: str = ""
+
+    def model(self) -> "Model":
+        """Return the forward model that its camera shows."""
+        from calib.forward.model import Model  # noqa: PLC0415
+
+        name = self.simulation.model
+        return Model.load(name) if name.endswith(".toml") else Model.preset(name)
 
     def port(self, name: str) -> str:
         """Return the port of the emulated controller `name`."""

@@ -94,7 +94,7 @@ class Attempt:
 
     def _take(self, step: Step) -> None:
         self._surroundings.set_for(step)
-        wanted = camera_settings(self._plan, self._bench.camera, step.block.exposure_us)
+        wanted = camera_settings(self._plan, self._bench, step.block.exposure_us)
         used = self._bench.camera.configure(wanted)
         before = self._checked(step, "before")
         self._say(f"recording {step.line}")

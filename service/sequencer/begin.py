@@ -5,25 +5,25 @@ from pathlib import Path
 
 from calib.recording.file_recording import FileRecording
 from calib.recording.writer import RecordingWriter
-from drivers.ports import CameraSettings, LinescanCamera
+from drivers.ports import CameraSettings
 from service.bench.bench import Bench
 from service.plan.header import recording_header
 from service.plan.model import Plan
 from service.sequencer.clock import Clock
 from service.sequencer.errors import RunRefusedError
 
-_WIDTHS = ("WidthMax", "SensorWidth", "n_columns", "Width")
+_WIDTHS = ("WidthMax", "SensorWidth", "Width")
 """Features that tell how many columns a camera has; the first that is there counts."""
 
 
-def camera_settings(plan: Plan, camera: LinescanCamera, exposure_us: float) -> CameraSettings:
-    """Return what `plan` asks of `camera` for a block of `exposure_us`."""
+def camera_settings(plan: Plan, bench: Bench, exposure_us: float) -> CameraSettings:
+    """Return what `plan` asks of the bench's camera for a block of `exposure_us`."""
     wanted = plan.camera
     return CameraSettings(
         exposure_us=exposure_us,
         line_period_us=wanted.line_period_us,
         frame_lines=plan.lines_per_frame,
-        n_columns=wanted.columns or _all_columns(camera) - wanted.first_column,
+        n_columns=wanted.columns or _all_columns(bench) - wanted.first_column,
         first_column=wanted.first_column,
         pixel_format=wanted.pixel_format,
         gain_db=wanted.gain_db,
@@ -86,8 +86,10 @@ def _provenance(bench: Bench) -> dict[str, str]:
     }
 
 
-def _all_columns(camera: LinescanCamera) -> int:
-    features = camera.features()
+def _all_columns(bench: Bench) -> int:
+    if bench.sensor_columns is not None:
+        return bench.sensor_columns
+    features = bench.camera.features()
     for name in _WIDTHS:
         if features.get(name, "").isdecimal():
             return int(features[name])

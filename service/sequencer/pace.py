@@ -1,7 +1,7 @@
 """How far a run is, and how long it will still take."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from statistics import median
 
 from service.plan.estimate import exposing_s, waiting_s
 from service.plan.model import Plan
@@ -9,40 +9,39 @@ from service.plan.step import Step
 from service.sequencer.clock import Clock
 
 
-@dataclass
 class Pace:
-    """Scales the plan's own estimate by what was measured so far.
+    """Adds to the plan's own estimate what a typical step took beyond it so far.
 
-    Attributes:
-        plan: What is run.
-        steps: All of its steps.
-        clock: Measures.
-        left: Indices of the steps still to do.
+    Reading a bench back takes time that no plan knows; a lamp that warmed up for minutes once is
+    no reason to expect that of every block, hence the median.
     """
 
-    plan: Plan
-    steps: Sequence[Step]
-    clock: Clock
-    left: list[int]
-    _began_s: float = field(init=False)
-    _done_estimate_s: float = field(init=False, default=0.0)
-
-    def __post_init__(self) -> None:
-        self._began_s = self.clock.monotonic()
+    def __init__(
+        self, plan: Plan, steps: Sequence[Step], clock: Clock, left: Sequence[int]
+    ) -> None:
+        """`left`: the indices of those of all `steps` that are still to do."""
+        self.left = list(left)
+        self._plan = plan
+        self._steps = steps
+        self._clock = clock
+        self._began_s = self._step_began_s = clock.monotonic()
+        self._excess_s: list[float] = []
 
     @property
     def done(self) -> int:
         """How many steps need not be done any more, of earlier attempts too."""
-        return len(self.steps) - len(self.left)
+        return len(self._steps) - len(self.left)
 
     @property
     def elapsed_s(self) -> float:
         """Since this attempt began."""
-        return self.clock.monotonic() - self._began_s
+        return self._clock.monotonic() - self._began_s
 
     def finish(self, index: int) -> None:
         """Count the step as done."""
-        self._done_estimate_s += self._estimate_s(index)
+        now_s = self._clock.monotonic()
+        self._excess_s.append(now_s - self._step_began_s - self._estimate_s(index))
+        self._step_began_s = now_s
         self.left.remove(index)
 
     def leave_out(self, index: int) -> None:
@@ -51,12 +50,12 @@ class Pace:
 
     def seconds_left(self) -> float | None:
         """Return the time left; None until a step is done."""
-        if self._done_estimate_s == 0:
+        if not self._excess_s:
             return None
-        rate = self.elapsed_s / self._done_estimate_s
-        return rate * sum(self._estimate_s(index) for index in self.left)
+        planned_s = sum(self._estimate_s(index) for index in self.left)
+        return max(0.0, planned_s + len(self.left) * median(self._excess_s))
 
     def _estimate_s(self, index: int) -> float:
-        step = self.steps[index]
-        previous = self.steps[index - 1] if index else None
-        return exposing_s(self.plan, step) + waiting_s(self.plan, step, previous)
+        step = self._steps[index]
+        previous = self._steps[index - 1] if index else None
+        return exposing_s(self._plan, step) + waiting_s(self._plan, step, previous)

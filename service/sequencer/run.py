@@ -102,7 +102,7 @@ def _open_recording(
 ) -> RecordingWriter:
     """Check that all fits together, then begin or go on; nothing is lit yet."""
     check_bench(plan, bench)
-    wanted = camera_settings(plan, bench.camera, steps[0].block.exposure_us)
+    wanted = camera_settings(plan, bench, steps[0].block.exposure_us)
     used = bench.camera.configure(wanted)
     if resume:
         return resumed_recording(plan, bench, out, used)
