@@ -88,12 +88,15 @@ class _Replay:
         self.n_frames = 0
 
     def begin(self, entry: Entry) -> None:
-        self.supersede(entry)
+        if self.open_block is not None:
+            raise ValueError("a block begun before the one before it ended")
         self.open_block = Block.model_validate(entry["block"])
 
     def frame(self, entry: Entry) -> None:
         if self.open_block is None or entry["block"] != self.open_block.block:
             raise ValueError("a frame outside its block")
+        if entry["index"] != self.n_frames:
+            raise ValueError(f"frame {entry['index']} where {self.n_frames} comes next")
         self.open_frames.append(
             CommittedFrame(
                 int(entry["index"]),
@@ -103,7 +106,7 @@ class _Replay:
                 FrameRecord.from_json(entry),
             )
         )
-        self.n_frames = int(entry["index"]) + 1
+        self.n_frames += 1
 
     def end(self, entry: Entry) -> None:
         ended = Block.model_validate(entry["block"])

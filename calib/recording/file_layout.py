@@ -17,6 +17,7 @@ from calib.errors import InputError
 from calib.recording.frame_codes import code_type, sample_shape
 from calib.recording.header import RecordingHeader
 from calib.recording.recording_toml import header_from_toml, header_to_toml
+from calib.recording.superblock import is_cut_short
 
 FORMAT_NAME = "darkflat-recording"
 FORMAT_VERSION = 1
@@ -83,6 +84,8 @@ def create_file(
 def open_for_reading(path: Path) -> h5py.File:
     """Open a live, a closed or an abandoned file; InputError says what is wrong with it."""
     try:
+        if is_cut_short(path):
+            raise OSError("truncated")
         return h5py.File(path, "r", libver="latest", swmr=True, locking=False)
     except FileNotFoundError as error:
         raise InputError(f"there is no recording {path}", code="recording-not-found") from error

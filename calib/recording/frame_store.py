@@ -9,6 +9,7 @@ import numpy as np
 from calib.arrays import RawLines
 from calib.errors import DarkflatError
 from calib.recording.durable import DiskFullError, disk_errors, is_disk_full
+from calib.recording.superblock import give_back_unused
 
 # HDF5's metadata needs room too: this much at once, and this much more for each frame.
 _METADATA_BYTES = 1 << 20
@@ -57,7 +58,7 @@ class FrameStore:
 
     def _reserve(self) -> None:
         # The disk gives the room for the next frame before HDF5 is told of it, so that a full
-        # disk is met outside of HDF5 and the file can still be closed. Closing gives back the rest.
+        # disk is met outside of HDF5 and the file can still be closed; `close` gives the rest back.
         per_frame = self._frame_bytes + _METADATA_BYTES_PER_FRAME
         size = self._base_bytes + (self._n_written + 1) * per_frame + _METADATA_BYTES
         with disk_errors(self._path):
@@ -87,6 +88,7 @@ class FrameStore:
             return
         try:
             self._file.close()
+            give_back_unused(self._path)
         except (OSError, RuntimeError) as error:
             self._failed = True
             _abandoned.append((self._file, self._frames))

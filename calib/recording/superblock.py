@@ -62,6 +62,25 @@ def _final(a: int, b: int, c: int) -> int:
     return b
 
 
+def is_cut_short(path: Path) -> bool:
+    """Tell whether a properly closed file is shorter than it was; a SWMR reader reads zeros."""
+    with path.open("rb") as file:
+        block = file.read(_SUPERBLOCK.size)
+    if len(block) < _SUPERBLOCK.size or not block.startswith(_SIGNATURE) or block[8] != 3:
+        return False
+    fields = _SUPERBLOCK.unpack(block)
+    return bool(fields[4] == 0 and path.stat().st_size < fields[7])
+
+
+def give_back_unused(path: Path) -> None:
+    """Cut what stands behind the end of a properly closed file: room asked for and not used."""
+    with path.open("r+b") as file:
+        fields = _SUPERBLOCK.unpack(file.read(_SUPERBLOCK.size))
+        consistency_flags, end = fields[4], fields[7]
+        if consistency_flags == 0 and end < os.fstat(file.fileno()).st_size:
+            os.ftruncate(file.fileno(), end)
+
+
 def mark_as_closed(path: Path, *, reserve_bytes: int) -> bool:
     """Make `path` openable for writing again; return False where it was closed properly.
 

@@ -22,7 +22,7 @@ def codes(
     rng = np.random.default_rng([seed, *block.encode()])
     one = (camera.columns,) if camera.rows is None else (camera.rows, camera.columns)
     drawn = rng.integers(0, camera.full_scale_dn + 1, (lines, *one))
-    return drawn.astype(np.uint8 if camera.bit_depth == 8 else np.uint16)
+    return drawn.astype(np.uint8) if camera.bit_depth == 8 else drawn.astype(np.uint16)
 
 
 def blocks(n: int = 3, lines: int | None = 20) -> tuple[Block, ...]:

@@ -2,6 +2,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from calib.errors import InputError, NotDeterminedError
 from calib.recording.header import CameraHeader, RecordingHeader
@@ -72,16 +73,13 @@ def test_progress_rises_to_one_and_cancelling_stops(tmp_path: Path) -> None:
         column_statistics(recording, cancelled=lambda: True)
 
 
-def phase(
-    tone: Tone, n_lines: int, n_columns: int
-) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def phase(tone: Tone, n_lines: int, n_columns: int) -> NDArray[np.float64]:
     clocks = np.arange(n_lines)[:, None] * tone.pixels_per_line + np.arange(n_columns)
-    return 2 * np.pi * tone.cycles_per_pixel * clocks
+    at: NDArray[np.float64] = 2 * np.pi * tone.cycles_per_pixel * clocks
+    return at
 
 
-def lines_with(
-    tone: Tone, amplitude_dn: float, phase_rad: float, seed: int
-) -> np.ndarray[tuple[int, ...], np.dtype[np.uint16]]:
+def lines_with(tone: Tone, amplitude_dn: float, phase_rad: float, seed: int) -> NDArray[np.uint16]:
     rng = np.random.default_rng(seed)
     pattern = 1000 + 80 * rng.normal(size=N_COLUMNS)
     wave = amplitude_dn * np.cos(phase(tone, N_LINES, N_COLUMNS) + phase_rad)
