@@ -81,7 +81,13 @@ class FolderRecording:
     def provenance(self) -> Provenance:
         """The plan (plan.txt) and the camera's features (features.json), where there are any."""
         plan, features = self._path / "plan.txt", self._path / "features.json"
-        known: dict[str, Any] = json.loads(_text_of(features)) if features.exists() else {}
+        try:
+            known: dict[str, Any] = json.loads(_text_of(features)) if features.exists() else {}
+        except ValueError as error:
+            raise InputError(
+                f"{features} is not JSON ({error}): correct it, or move it away",
+                code="features-invalid",
+            ) from error
         return Provenance(_text_of(plan) if plan.exists() else "", known, self.scenes)
 
     def frames(self, block: str) -> Iterator[RawLines]:

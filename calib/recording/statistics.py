@@ -6,7 +6,8 @@ import numpy as np
 
 from calib.arrays import RawLines
 from calib.errors import DarkflatError, InputError
-from calib.kernels.sums import LineSums, line_sums
+from calib.kernels.line_sums import LineSums
+from calib.kernels.sums import line_sums
 from calib.recording.block_statistics import BlockStatistics, RecordingStatistics
 from calib.recording.header import Block, CameraHeader
 from calib.recording.protocol import Recording

@@ -22,7 +22,7 @@ import numpy as np
 from calib.arrays import Columns, RawLines
 from calib.errors import InputError, NotDeterminedError
 from calib.kernels.demodulation import Phasors, demodulated
-from calib.kernels.sums import LineSums
+from calib.kernels.line_sums import LineSums
 from calib.recording.tone import Tone
 
 # Below this share of a tone's power between its lines it is all but a part of the offset.

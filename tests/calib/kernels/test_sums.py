@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from calib.kernels.sums import LaggedSums, LineSums, lagged_sums, line_sums
+from calib.kernels.line_sums import LaggedSums, LineSums
+from calib.kernels.sums import lagged_sums, line_sums
 
 Codes = NDArray[np.uint8] | NDArray[np.uint16]
 

@@ -75,8 +75,7 @@ def test_progress_rises_to_one_and_cancelling_stops(tmp_path: Path) -> None:
 
 def phase(tone: Tone, n_lines: int, n_columns: int) -> NDArray[np.float64]:
     clocks = np.arange(n_lines)[:, None] * tone.pixels_per_line + np.arange(n_columns)
-    at: NDArray[np.float64] = 2 * np.pi * tone.cycles_per_pixel * clocks
-    return at
+    return np.asarray(2 * np.pi * tone.cycles_per_pixel * clocks, dtype=np.float64)
 
 
 def lines_with(tone: Tone, amplitude_dn: float, phase_rad: float, seed: int) -> NDArray[np.uint16]:
