@@ -6,7 +6,7 @@ from pathlib import Path
 from threading import Event, Lock
 from time import monotonic
 
-from drivers.errors import DeviceError, DeviceLostError
+from drivers.errors import DeviceError
 from drivers.ports import Cancelled, DeviceIdentity, LampState, LightState, never
 from drivers.serial.gen_lamp import GenLamp, LampRating
 from drivers.serial.gen_units import GenUnits, UnitReading
@@ -115,8 +115,8 @@ class GenLamps:
     def off(self) -> LightState:
         """Switch all supplies off by the group command at once, and read each one back.
 
-        Raises DeviceError (DeviceLostError where the line is gone) with code `lamps-not-off`,
-        naming every lamp that is not known to be off.
+        Raises DeviceError with code `lamps-not-off`, naming every lamp that is not known to be off;
+        of the line's class (DeviceLostError, ...) where that alone is at fault.
         """
         self._off_orders += 1
         self._ordered_off.set()
@@ -201,8 +201,8 @@ class GenLamps:
     def _not_off(self, failures: list[tuple[GenLamp, DeviceError]]) -> DeviceError:
         device = self._units.link.device
         names = ", ".join(str(lamp.unit.lamp) for lamp, _ in failures)
-        gone = all(isinstance(error, DeviceLostError) for _, error in failures)
-        return (DeviceLostError if gone else DeviceError)(
+        kinds = {type(error) for _, error in failures}
+        return (kinds.pop() if len(kinds) == 1 else DeviceError)(
             f"{device}: not known to be off: lamp {names}; switch the supplies off by hand "
             f"({failures[0][1]})",
             device=device,

@@ -99,7 +99,7 @@ class GenLamp:
 
     def _programmed_a(self) -> float | None:
         """The current that the supply is set to, None where its output is off."""
-        if not self.read().output_on:
+        if not self._units.output_on(self.unit):
             return None
         return self._units.number(self.unit, "PC?")
 

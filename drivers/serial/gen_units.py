@@ -86,7 +86,7 @@ class GenUnits:
     def find(self, lamp: int, address: int) -> Unit:
         """Ask the supply at `address` who it is; DeviceNotFoundError where nothing answers."""
         try:
-            answer = self.link.synchronise(self._sync(address, "IDN?", _ANY_SUPPLY))
+            model = self._greet(address)
         except DeviceTimeoutError as error:
             raise DeviceNotFoundError(
                 f"{self.link.device}: no supply answers at address {address} (lamp {lamp}); "
@@ -95,8 +95,7 @@ class GenUnits:
                 code="device-not-found",
                 last_exchange=error.last_exchange,
             ) from error
-        self._addressed = address
-        return Unit(lamp, address, answer.decode("ascii", "replace"), self.link.query("SN?"))
+        return Unit(lamp, address, model, self.link.query("SN?"))
 
     def ask(self, unit: Unit, query: str) -> str:
         """Return the reply of `unit` to `query`; SettingRefusedError when it refuses."""
@@ -126,11 +125,15 @@ class GenUnits:
                 raise self.link.protocol_error(f"{reply!r} is no number, in answer to {query!r}")
             return float(reply)
 
+    def output_on(self, unit: Unit) -> bool:
+        """Whether the output of `unit` is switched on."""
+        return self._choice(unit, "OUT?", ("ON", "OFF")) == "ON"
+
     def read(self, unit: Unit) -> UnitReading:
         """Read `unit` back."""
         with self.link.lock:
             return UnitReading(
-                output_on=self._choice(unit, "OUT?", ("ON", "OFF")) == "ON",
+                output_on=self.output_on(unit),
                 mode=self._choice(unit, "MODE?", ("CC", "CV", "OFF")),
                 current_a=self.number(unit, "MC?"),
                 voltage_v=self.number(unit, "MV?"),
@@ -156,16 +159,33 @@ class GenUnits:
         bits = int(reply, 16)
         return tuple(name for bit, name in enumerate(FAULTS) if bits >> bit & 1)
 
+    def _greet(self, address: int) -> str:
+        """Address a supply that is not known yet; return how it names itself."""
+        if not self.link.ready():
+            self.link.synchronise(self._sync(address, "IDN?", _ANY_SUPPLY))
+            self._addressed = address
+        self._select(address)
+        model = self.link.query("IDN?")
+        if "LAMBDA," not in model:
+            raise self.link.protocol_error(f"{model!r} is not how a GEN supply names itself")
+        return model
+
     def _address(self, unit: Unit) -> None:
+        """Have `unit` listen, whatever the line went through since the last question."""
         if not self.link.ready():
             self._addressed = None
             self.link.synchronise(self._sync(unit.address, "SN?", whole_line(unit.serial)))
-        elif self._addressed != unit.address:
-            self._addressed = None
-            if (reply := self.link.query(f"ADR {unit.address}")) != "OK":
-                raise self.link.protocol_error(f"{reply!r} instead of OK to its address")
-            time.sleep(self._settle_s)
-        self._addressed = unit.address
+            self._addressed = unit.address
+        self._select(unit.address)
+
+    def _select(self, address: int) -> None:
+        if self._addressed == address:
+            return
+        self._addressed = None
+        if (reply := self.link.query(f"ADR {address}")) != "OK":
+            raise self.link.protocol_error(f"{reply!r} instead of OK to its address")
+        time.sleep(self._settle_s)
+        self._addressed = address
 
     def _sync(self, address: int, question: str, answer: re.Pattern[bytes]) -> Sync:
         return Sync(
@@ -173,6 +193,6 @@ class GenUnits:
             answer=answer,
             clear=b"\r",
             preamble=f"ADR {address}\r".encode(),
-            # The OK to the address comes first; 30 characters' time is for both.
-            preamble_s=self._settle_s + 300.0 / self.link.port.settings.baudrate,
+            preamble_answer=whole_line("OK"),
+            preamble_s=self._settle_s,
         )

@@ -32,13 +32,15 @@ class Sync:
         question: Bytes to send, terminator included.
         answer: What the reply looks like; nothing else that the device says matches.
         clear: Ends a half-sent command, before the line is listened to until it is quiet.
-        preamble: Sent before the question (addressing), and then waited for `preamble_s`.
+        preamble: Sent before the question (addressing); after `preamble_answer` has come,
+            `preamble_s` pass before the question.
     """
 
     question: bytes
     answer: re.Pattern[bytes]
     clear: bytes = b""
     preamble: bytes = b""
+    preamble_answer: re.Pattern[bytes] | None = None
     preamble_s: float = 0.0
 
 
@@ -141,12 +143,14 @@ class SerialLink:
             self.in_step = False
             self._write(sync.clear)
             self.discard_until_quiet()
-            self._write(sync.preamble)
-            time.sleep(sync.preamble_s)
+            if sync.preamble_answer is not None:
+                self._write(sync.preamble)
+                self._await(sync.preamble_answer, 1, sync.preamble)
+                time.sleep(sync.preamble_s)
             self._asked[sync.question] += 1
             self.port.received.clear()
             self._write(sync.question)
-            answer = self._await_answers(sync)
+            answer = self._await(sync.answer, self._asked[sync.question], sync.question)
             self._answered()
             return answer
 
@@ -217,19 +221,19 @@ class SerialLink:
         if not self.port.read_some() and time.monotonic() >= deadline:
             raise self._no_reply(what)
 
-    def _await_answers(self, sync: Sync) -> bytes:
-        """Read until as many answers came as were asked for, or one and then silence."""
+    def _await(self, pattern: re.Pattern[bytes], n_asked: int, question: bytes) -> bytes:
+        """Read until `n_asked` answers came, or at least one and then none for long enough."""
         n_answers, heard = 0, time.monotonic()
         while True:
-            answers = [match.group() for match in sync.answer.finditer(self.port.received)]
+            answers = [match.group() for match in pattern.finditer(self.port.received)]
             if len(answers) > n_answers:
                 n_answers, heard = len(answers), time.monotonic()
-            if n_answers >= self._asked[sync.question]:
+            if n_answers >= n_asked:
                 return answers[-1]
             if time.monotonic() - heard >= self.timeout_s:
                 if answers:
                     return answers[-1]
-                raise self._no_reply(repr(sync.question))
+                raise self._no_reply(repr(question))
             self.port.read_some()
 
     def _no_reply(self, what: str) -> DeviceTimeoutError:

@@ -28,6 +28,7 @@ class BenchSettings:
         lamp: The lamps' rating.
         current: What the monitor sees of them.
         baudrate: Of every line.
+        turnaround_s: From the end of a question to the beginning of its answer.
         address_settle_s: How long a newly addressed supply does not listen.
         travel_s: How long the shutter moves.
         seed: Of the monitor's noise.
@@ -38,6 +39,7 @@ class BenchSettings:
     lamp: EmulatedLamp = field(default_factory=EmulatedLamp)
     current: MonitorCurrent = field(default_factory=MonitorCurrent)
     baudrate: int = 9600
+    turnaround_s: float = 0.005
     address_settle_s: float = 0.1
     travel_s: float = 0.1
     seed: int = 0
@@ -71,7 +73,12 @@ class EmulatedBench:
         }
         ports.mkdir(parents=True, exist_ok=True)
         self.lines = {
-            name: PtyLine(ports / name, device, baudrate=settings.baudrate)
+            name: PtyLine(
+                ports / name,
+                device,
+                baudrate=settings.baudrate,
+                turnaround_s=settings.turnaround_s,
+            )
             for name, device in self._devices().items()
         }
 
@@ -83,6 +90,8 @@ class EmulatedBench:
 
     def close(self) -> None:
         """Stop serving; the lamps stay as they are. Safe to call twice."""
+        for line in self.lines.values():
+            line.stop()
         for line in self.lines.values():
             line.close()
 

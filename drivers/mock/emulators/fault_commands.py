@@ -27,8 +27,8 @@ LINE is lamps, led, monitor or shutter; LAMP counts from 1.
 
 def inject(bench: EmulatedBench, text: str) -> None:
     """Do what `text` says; ValueError where it says nothing known."""
-    subject, *words = text.split()
     try:
+        subject, *words = text.split()
         if subject == "lamp":
             _lamp_faults(bench, int(words[0]))[words[1]](*map(float, words[2:]))
         else:

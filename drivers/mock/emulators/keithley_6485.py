@@ -82,7 +82,7 @@ class Keithley6485Emulator:
             return Reply(text.encode() + b"\n")
         if header in ("READ?", "FETC?"):
             integration_s = self._nplc * _LINE_PERIOD_S
-            return Reply(self._reading(integration_s).encode() + b"\n", integration_s + 0.005)
+            return Reply(self._reading(integration_s).encode() + b"\n", integration_s)
         self._errors.append('-113,"Undefined header"')
         return None
 

@@ -54,7 +54,7 @@ class MightexSlc:
 
     def receive(self, data: bytes) -> list[Reply]:
         """Commands end with LF CR."""
-        replies = [Reply(data, 0.0)] if self._echo else []
+        replies = [Reply(data)] if self._echo else []
         *commands, self._pending = re.split(rb"[\r\n]+", self._pending + data)
         answers = [
             self._obey(command.decode("ascii", "replace")) for command in commands if command

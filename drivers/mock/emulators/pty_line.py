@@ -19,10 +19,10 @@ _IDLE_S = 0.03
 
 @dataclass(frozen=True)
 class Reply:
-    """What a device says, and how long it thinks before."""
+    """What a device says, and how long it measures before."""
 
     data: bytes
-    after_s: float = 0.005
+    after_s: float = 0.0
 
 
 class EmulatedDevice(Protocol):
@@ -45,10 +45,14 @@ class PtyLine:
     the master would fail whenever the client closes.
     """
 
-    def __init__(self, path: Path, device: EmulatedDevice, *, baudrate: int = 9600) -> None:
+    def __init__(
+        self, path: Path, device: EmulatedDevice, *, baudrate: int = 9600, turnaround_s: float = 0.0
+    ) -> None:
+        """Serve `device` at `path`; it takes `turnaround_s` to answer anything."""
         self.path = path
         self.device = device
         self.faults = LineFaults()
+        self._turnaround_s = turnaround_s
         self._character_s = _BITS_PER_CHARACTER / baudrate
         self._ends: tuple[int, int] | None = None
         self._heard: deque[tuple[float, bytes]] = deque()  # when it has arrived whole
@@ -81,9 +85,13 @@ class PtyLine:
         self._absent.clear()
         self._present.set()
 
+    def stop(self) -> None:
+        """Have the thread end soon; `close` waits for it."""
+        self._stopping.set()
+
     def close(self) -> None:
         """Stop serving; safe to call twice."""
-        self._stopping.set()
+        self.stop()
         self._thread.join()
         self._unplug()
 
@@ -121,7 +129,8 @@ class PtyLine:
             return
         for reply in self.device.receive(data):
             spoilt, late_s = self.faults.spoil(reply.data)
-            starts = max(time.monotonic() + reply.after_s + late_s, self._speaking_until)
+            ready = time.monotonic() + self._turnaround_s + reply.after_s + late_s
+            starts = max(ready, self._speaking_until)
             for i in range(len(spoilt)):
                 leaves = starts + (i + 1) * self._character_s
                 self._said.append((leaves, spoilt[i : i + 1]))

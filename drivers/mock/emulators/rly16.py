@@ -35,7 +35,7 @@ class Rly16:
     def receive(self, data: bytes) -> list[Reply]:
         """Every byte is a command, but the one after 5C."""
         answers = b"".join(self._obey(byte) for byte in data)
-        return [Reply(answers, 0.001)] if answers else []
+        return [Reply(answers)] if answers else []
 
     def tick(self) -> None:
         """Let the cap arrive."""
