@@ -3,7 +3,8 @@
 Adding one takes two steps: a file in `calib/forward/effects/` with a frozen dataclass derived from
 `Effect`, every field made by `parameter`, and one line at its physical place in
 `calib/forward/effects/catalogue.py`. Reading and writing model files and the catalogue's tests
-then hold for it.
+then hold for it. `apply` sees all lines of one draw, in the order of time, so an effect may carry
+charge from line to line; its zero strength is told by the parameters' `neutral` values.
 """
 
 from abc import ABC, abstractmethod

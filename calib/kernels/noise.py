@@ -22,6 +22,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from calib.arrays import RawLines
+from calib.errors import InputError
 from calib.kernels.counted_numbers import hashed, mixed, normal_number, poisson_number
 
 EXACT_BELOW_E = 20.0
@@ -63,13 +64,21 @@ def draw_codes(
         full_scale_dn: The highest code.
         full_well_e: The most electrons that a pixel holds; inf for no limit.
         key: 64 bits; another key gives independent noise.
-        first_line: The number of the first line under this key. Lines times columns must stay
-            below 2^32.
+        first_line: The number of the first line under this key.
+
+    Raises:
+        InputError: Lines times columns under one key exceed 2^32, where numbers would repeat.
     """
     dark, gain, offset = (
         np.ascontiguousarray(a, np.float32) for a in (dark_e, gain_dn_per_e, offset_dn)
     )
     shape = (len(line_factor), dark.size)
+    if (first_line + shape[0]) * shape[1] > 1 << 32:
+        raise InputError(
+            f"{first_line + shape[0]} lines of {shape[1]} columns: noise would repeat after 2^32 "
+            "pixels; draw fewer lines at once.",
+            code="too-many-pixels",
+        )
     eight_bits = full_scale_dn < 256
     codes: RawLines = np.empty(shape, np.uint8) if eight_bits else np.empty(shape, np.uint16)
     below, above = exact_range(read_std_e, full_well_e)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, poisson
 
 from calib.arrays import RawLines
+from calib.errors import InputError
 from calib.kernels.noise import draw_codes, exact_range
 from tests.calib.kernels import numpy_noise
 
@@ -98,7 +99,7 @@ FULL = {
     "converter clips below": {"mean": 0.0, "read_std": 10.0, "gain": 0.2, "offset": -1.0},
     "eight bits, coarse": {"mean": 400.0, "read_std": 50.0, "gain": 0.0035, "full_scale": 255},
     "few electrons, coarse": {"mean": 6.0, "read_std": 1.2, "gain": 1.7, "offset": 3.0},
-    "smooth at 16 electrons": {"mean": 25.0, "read_std": 0.8, "gain": 1.0, "offset": 3.0},
+    "smooth at 25 electrons": {"mean": 25.0, "read_std": 0.8, "gain": 1.0, "offset": 3.0},
 }
 
 
@@ -163,6 +164,14 @@ def test_codes_do_not_depend_on_how_lines_are_split(mean: float, read_std: float
     split = [draw(mean, read_std, n, key=9, first_line=f) for f, n in ((0, 7), (7, 1), (8, 22))]
     assert np.array_equal(whole, np.vstack(split))
     assert not np.array_equal(whole, draw(mean, read_std, 30, key=10))
+
+
+def test_more_pixels_than_the_counter_has_are_refused() -> None:
+    last = (1 << 32) // N_COLUMNS
+    assert draw(5.0, 3.0, 1, key=1, first_line=last - 1).shape == (1, N_COLUMNS)
+    with pytest.raises(InputError, match="repeat") as caught:
+        draw(5.0, 3.0, 1, key=1, first_line=last)
+    assert caught.value.code == "too-many-pixels"
 
 
 def test_one_line_for_all_gives_the_codes_of_the_full_image() -> None:
