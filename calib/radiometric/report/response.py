@@ -1,0 +1,82 @@
+"""How the response follows exposure and radiance: linearity, and AgCam's Fig. 5."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from calib.radiometric.calibration import Calibration
+from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.report.style import BLUE, CYCLE, GREY, INK, new_figure
+from calib.recording.block_statistics import BlockStatistics
+
+
+def linearity(found: CoefficientSet, blocks: Sequence[BlockStatistics]) -> Figure:
+    """Draw the mean signal against exposure by level, and what the straight line leaves."""
+    figure = new_figure(height_in=4.4)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    flats = [s for s in blocks if s.block.kind == "flat"]
+    full_scale = found.camera.full_scale_dn
+    for index, level in enumerate(sorted({s.block.level for s in flats})):
+        chosen = sorted(
+            (s for s in flats if s.block.level == level), key=lambda s: s.block.exposure_us
+        )
+        exposure = np.array([s.block.exposure_us for s in chosen])
+        signal = np.array([_signal(found, s) for s in chosen])
+        whole = np.array([_unclipped(found, s) for s in chosen])
+        color = CYCLE[index % len(CYCLE)]
+        upper.plot(exposure[whole], signal[whole], "o", color=color, ms=4, label=f"level {level:g}")
+        upper.plot(exposure[~whole], signal[~whole], "x", color=GREY, ms=5)
+        expected = _per_us(exposure[whole], signal[whole])
+        if expected is not None:
+            upper.plot(exposure, expected * exposure, color=color, lw=0.8)
+            residual = 100.0 * (signal[whole] / (expected * exposure[whole]) - 1.0)
+            lower.plot(exposure[whole], residual, "o-", color=color, ms=3, lw=0.8)
+    upper.axhline(full_scale, color=INK, lw=0.8, ls="--")
+    upper.set_ylim(0.0, 1.06 * full_scale)
+    upper.set(
+        title="Linearity (a cross: some columns clip, left out)", ylabel="mean DN − dark level"
+    )
+    figure.legend(loc="outside right upper")
+    lower.axhline(0.0, color=INK, lw=0.8)
+    lower.set(xlabel="exposure, µs", ylabel="residual, %")
+    return figure
+
+
+def radiance_scale(calibration: Calibration) -> Figure:
+    """Draw the certified radiance of each level against what the camera sees of it."""
+    figure = new_figure(height_in=3.6)
+    left, right = figure.subplots(1, 2)
+    data, unit = calibration.figures, calibration.coefficients.radiance_unit
+    left.plot(data.radiance, data.relative_level, "o", color=BLUE)
+    known = np.isfinite(data.radiance) & np.isfinite(data.relative_level)
+    if known.any():
+        per_radiance = np.median(data.relative_level[known] / data.radiance[known])
+        span = np.array([0.0, np.max(data.radiance[known])])
+        left.plot(span, per_radiance * span, color=GREY, lw=0.9)
+    left.set(
+        title="Radiance scale",
+        xlabel=f"certified radiance, {unit}",
+        ylabel="signal relative to the reference",
+    )
+    right.plot(data.level, 100.0 * data.level_ratio, "o", color=BLUE)
+    right.axhline(0.0, color=INK, lw=0.8)
+    right.set(title="Certified over seen", xlabel="level", ylabel="difference, %")
+    return figure
+
+
+def _signal(found: CoefficientSet, block: BlockStatistics) -> float:
+    dark = found.dark_level_dn(block.block.exposure_us)
+    return float(np.mean((block.mean_dn - dark)[found.valid]))
+
+
+def _unclipped(found: CoefficientSet, block: BlockStatistics) -> bool:
+    clipped = block.n_at_full_scale[found.valid] > 0.001 * block.n_lines
+    return not bool(clipped.any())
+
+
+def _per_us(exposure_us: np.ndarray, signal: np.ndarray) -> float | None:
+    """Return the slope through the origin, DN/µs; None for a single point."""
+    if len(exposure_us) < 2:
+        return None
+    return float(np.sum(signal) / np.sum(exposure_us))
