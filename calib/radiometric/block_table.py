@@ -37,9 +37,9 @@ class BlockTable:
 
     @classmethod
     def of_kind(cls, statistics: Sequence[BlockStatistics], kind: BlockKind) -> "BlockTable":
-        """Stack the blocks of `kind`; a table without blocks has n_columns 0."""
+        """Stack the blocks of `kind`; a table may have no blocks."""
         chosen = [s for s in statistics if s.block.kind == kind and s.n_lines > 0]
-        n_columns = chosen[0].mean_dn.size if chosen else 0
+        n_columns = statistics[0].mean_dn.size if statistics else 0
 
         def stack(rows: list[NDArray[np.float64]]) -> Cells:
             return np.array(rows, np.float64).reshape(len(chosen), n_columns)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from importlib.metadata import PackageNotFoundError, version
 
 from calib.radiometric.calibration import Calibration
-from calib.radiometric.choices import Choices
+from calib.radiometric.choices import Choices, check_recording
 from calib.radiometric.from_statistics import Determined, determine
 from calib.radiometric.provenance import Parameter, Provenance
 from calib.radiometric.selection import CLIP_SIGMA
@@ -62,6 +62,7 @@ def calibrate(
         NotDeterminedError: The recording does not determine what is asked (codes: `determine`).
     """
     choices = Choices(radiances, source, order, relative, darks_required)
+    check_recording(recording.header, choices)
     statistics = column_statistics(
         recording,
         tone=tone,

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from calib.errors import InputError, NotDeterminedError
-from calib.radiometric.block_table import BlockTable
 from calib.radiometric.radiance_table import LevelGroups
 from calib.radiometric.source_uncertainty import SourceUncertainty
 from calib.recording.header import RecordingHeader
@@ -29,9 +28,7 @@ class Choices:
     darks_required: bool = True
 
 
-def check_recording(
-    header: RecordingHeader, flats: BlockTable, darks: BlockTable, choices: Choices
-) -> None:
+def check_recording(header: RecordingHeader, choices: Choices) -> None:
     """Refuse what cannot be calibrated at all."""
     if header.camera.rows is not None:
         message = (
@@ -42,15 +39,21 @@ def check_recording(
     if choices.order is not None and not 0 < choices.order <= 20:
         message = f"The vignette's order is {choices.order}: give 1 to 20, or none to choose it."
         raise InputError(message, code="bad-order")
-    if not len(flats):
-        message = "The recording has no flat: record uniform light at several exposures."
-        raise NotDeterminedError(message, code="no-flats")
-    if not len(darks) and choices.darks_required:
+    kinds = {block.kind for block in header.blocks}
+    if "flat" not in kinds:
+        raise no_flats()
+    if "dark" not in kinds and choices.darks_required:
         message = (
             "The recording has no capped dark, so that the intercepts cannot be verified: record "
             "darks, or ask for a calibration without them."
         )
         raise NotDeterminedError(message, code="missing-darks")
+
+
+def no_flats() -> NotDeterminedError:
+    """Return what is said of a recording without a line of uniform light."""
+    message = "The recording has no flat: record uniform light at several exposures."
+    return NotDeterminedError(message, code="no-flats")
 
 
 def check_radiance(groups: LevelGroups, choices: Choices) -> None:

@@ -15,6 +15,7 @@ from calib.radiometric.block_table import BlockTable, Cells, Mask
 from calib.radiometric.column_check import check_columns, unchanging
 from calib.radiometric.column_state import ColumnState
 from calib.radiometric.dark_comparison import DarkCurrent, dark_block_noise_dn, dark_current
+from calib.radiometric.first_levels import first_levels
 from calib.radiometric.joint_fit import JointFit, fit_jointly
 from calib.radiometric.noise_model import NoiseModel, fit_noise_model
 from calib.radiometric.radiance_table import LevelGroups
@@ -45,6 +46,30 @@ class LineEstimate:
     mean_dn: Cells
 
 
+@dataclass(frozen=True)
+class _Sight:
+    """What does not change from round to round."""
+
+    flats: BlockTable
+    darks: BlockTable
+    groups: LevelGroups
+    still: NDArray[np.bool_]
+    full_scale_dn: int
+
+
+@dataclass(frozen=True)
+class _Round:
+    """One round's result."""
+
+    fit: JointFit
+    noise: NoiseModel
+    current: DarkCurrent
+    block_noise_dn: float
+    use: Mask
+    mean_dn: Cells
+    weights: Cells
+
+
 def estimate_lines(
     flats: BlockTable, darks: BlockTable, groups: LevelGroups, full_scale_dn: int
 ) -> LineEstimate:
@@ -57,74 +82,63 @@ def estimate_lines(
     still = unchanging(flats, darks)
     use = ~flats.clipped & ~still
     start = first_levels(flats, groups, use)
-    fit = fit_jointly(
-        flats.mean_dn, use.astype(np.float64), flats.exposure_us, groups.of_block, start
-    )
+    equal = use.astype(np.float64)
+    fit = fit_jointly(flats.mean_dn, equal, flats.exposure_us, groups.of_block, start)
+    sight = _Sight(flats, darks, groups, still, full_scale_dn)
+    noise = _noise(flats, darks, fit, use)
+    state = _improve(sight, fit, noise)
     for _ in range(ROUNDS):
-        noise = _noise(flats, darks, fit, use)
-        predicted = fit.predicted_dn()
-        sigma = noise.sigma_dn(predicted - fit.offset)
-        use = within_range(predicted, sigma, full_scale_dn) & ~still
-        use &= ~collapsed(flats.variance_dn2, typical_variance(sigma), flats.n_lines)
-        restored = unrounded_mean(flats.mean_dn, np.where(use, sigma, 1.0))
-        block_noise = dark_block_noise_dn(darks, noise)
-        current = dark_current(darks, noise, block_noise)
-        mean = restored.mean_dn - np.outer(flats.exposure_us, current.dn_per_us)
-        variance = restored.variance_of_one_dn2 / flats.n_lines[:, None]
-        weights = np.where(use, 1.0 / (variance + restored.variance_left_dn2), 0.0)
-        fit = fit_jointly(mean, weights, flats.exposure_us, groups.of_block, fit.relative_level)
-    longest = current.dn_per_us * flats.exposure_us.max()
-    reason = check_columns(flats, darks, fit.lines, longest, full_scale_dn)
+        last, noise = state, _noise(flats, darks, state.fit, state.use, state.noise)
+        state = _improve(sight, state.fit, noise)
+        if (state.use == last.use).all() and state.noise.is_near(last.noise):
+            break
+    longest = state.current.dn_per_us * flats.exposure_us.max()
+    reason = check_columns(flats, darks, state.fit.lines, longest, full_scale_dn)
     valid = reason == ColumnState.VALID
     if not valid.any():
         raise _none_valid(reason)
-    weights = np.where(valid, weights, 0.0)
-    fit = fit_jointly(mean, weights, flats.exposure_us, groups.of_block, fit.relative_level)
-    return LineEstimate(fit, noise, current, block_noise, reason, mean)
+    weights = np.where(valid, state.weights, 0.0)
+    levels = state.fit.relative_level
+    fit = fit_jointly(state.mean_dn, weights, flats.exposure_us, groups.of_block, levels)
+    return LineEstimate(
+        fit, state.noise, state.current, state.block_noise_dn, reason, state.mean_dn
+    )
 
 
-def first_levels(flats: BlockTable, groups: LevelGroups, use: Mask) -> Columns:
-    """Return a first guess of each group's relative level; 1 for the reference.
-
-    The reference is the level with most distinct exposures that are not clipped everywhere, and
-    among equals the one with most unclipped cells. DN0 and slope of the guess are its own.
-
-    Raises:
-        NotDeterminedError: `one-exposure` or `all-saturated`.
-    """
-    score = []
-    for g in range(len(groups.level)):
-        rows = (groups.of_block == g) & (use.sum(axis=1) > 0)
-        score.append((len(np.unique(flats.exposure_us[rows])), int(use[rows].sum())))
-    reference = max(range(len(score)), key=lambda g: score[g])
-    if score[reference][0] < 2:
-        raise _no_sweep(flats, groups)
-    rows = groups.of_block == reference
-    lines = fit_lines(flats.mean_dn[rows], use[rows] * 1.0, flats.exposure_us[rows])
-    expected = np.outer(flats.exposure_us, lines.slope)
-    above = flats.mean_dn - lines.offset
-    seen = use & np.isfinite(expected) & (expected > 0)
-    start = np.full(len(groups.level), np.nan)
-    for g in range(len(start)):
-        cells = seen & (groups.of_block == g)[:, None]
-        if cells.any():
-            start[g] = float(np.median(above[cells] / expected[cells]))
-    start[start <= 0] = np.nan
-    start[reference] = 1.0
-    return start
+def _improve(sight: _Sight, fit: JointFit, noise: NoiseModel) -> _Round:
+    """Select, weigh and fit again, with what `fit` predicts and `noise` says of it."""
+    flats, darks, groups = sight.flats, sight.darks, sight.groups
+    predicted = fit.predicted_dn()
+    sigma = noise.sigma_dn(predicted - fit.offset)
+    use = within_range(predicted, sigma, sight.full_scale_dn) & ~sight.still
+    use &= ~collapsed(flats.variance_dn2, typical_variance(sigma), flats.n_lines)
+    restored = unrounded_mean(flats.mean_dn, np.where(use, sigma, 1.0))
+    block_noise = dark_block_noise_dn(darks, noise)
+    current = dark_current(darks, noise, block_noise)
+    mean = restored.mean_dn - np.outer(flats.exposure_us, current.dn_per_us)
+    variance = restored.variance_of_one_dn2 / flats.n_lines[:, None]
+    weights = np.where(use, 1.0 / (variance + restored.variance_left_dn2), 0.0)
+    levels = fit.relative_level
+    fitted = fit_jointly(mean, weights, flats.exposure_us, groups.of_block, levels)
+    return _Round(fitted, noise, current, block_noise, use, mean, weights)
 
 
-def _noise(flats: BlockTable, darks: BlockTable, fit: JointFit, use: Mask) -> NoiseModel:
+def _noise(
+    flats: BlockTable, darks: BlockTable, fit: JointFit, use: Mask, start: NoiseModel | None = None
+) -> NoiseModel:
     """Fit the photon-transfer line to flats and unclipped darks together."""
     offset = fit.offset
     if not len(darks):
-        return fit_noise_model(flats.mean_dn, flats.variance_dn2, flats.n_lines, offset, use)
+        return fit_noise_model(
+            flats.mean_dn, flats.variance_dn2, flats.n_lines, offset, use, start=start
+        )
     return fit_noise_model(
         np.vstack([flats.mean_dn, darks.mean_dn]),
         np.vstack([flats.variance_dn2, darks.variance_dn2]),
         np.concatenate([flats.n_lines, darks.n_lines]),
         offset,
         np.vstack([use, ~darks.clipped & use.any(axis=0)]),
+        start=start,
     )
 
 
@@ -143,25 +157,6 @@ def current_variances(
         variance * lines.offset**2,
         variance * lines.slope**2,
         variance * lines.offset * lines.slope,
-    )
-
-
-def _no_sweep(flats: BlockTable, groups: LevelGroups) -> NotDeterminedError:
-    """Say why no level has two exposures that can be used."""
-    several = any(
-        len(np.unique(flats.exposure_us[groups.of_block == g])) > 1
-        for g in range(len(groups.level))
-    )
-    if several:
-        return NotDeterminedError(
-            "The flats are clipped at nearly every exposure, so that no line can be laid through "
-            "them: record with less light or shorter exposures.",
-            code="all-saturated",
-        )
-    return NotDeterminedError(
-        "No level was recorded at two exposures or more, so that offset and responsivity cannot "
-        "be told apart: record flats of one level at several exposures.",
-        code="one-exposure",
     )
 
 

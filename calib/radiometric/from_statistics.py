@@ -7,7 +7,7 @@ import numpy as np
 from calib.radiometric.assemble import coefficient_columns, scale_relative_std
 from calib.radiometric.block_table import BlockTable
 from calib.radiometric.calibration import CalibrationFigures
-from calib.radiometric.choices import Choices, check_radiance, check_recording
+from calib.radiometric.choices import Choices, check_radiance, check_recording, no_flats
 from calib.radiometric.coefficient_set import CoefficientSet
 from calib.radiometric.column_state import ColumnState
 from calib.radiometric.dark_comparison import DarkComparison, compare_darks
@@ -50,9 +50,11 @@ def determine(
             `no-temporal-noise`, `no-valid-column`, `too-few-columns`, `no-radiance`.
     """
     choices = choices or Choices()
+    check_recording(header, choices)
     flats = BlockTable.of_kind(statistics.fit, "flat")
     darks = BlockTable.of_kind(statistics.fit, "dark")
-    check_recording(header, flats, darks, choices)
+    if not len(flats):
+        raise no_flats()
     groups = group_levels(flats.blocks, choices.radiances)
     check_radiance(groups, choices)
     parts = find_parts(flats, darks, groups, header, choices)

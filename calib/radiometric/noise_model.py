@@ -46,6 +46,12 @@ class NoiseModel:
         shot = self.system_gain_dn_per_e * np.maximum(signal_dn, 0.0)
         return np.sqrt(shot + self.read_variance_dn2)
 
+    def is_near(self, other: "NoiseModel") -> bool:
+        """Return whether weights from both are the same to 1e-3, far below what they matter."""
+        gains = self.system_gain_dn_per_e, other.system_gain_dn_per_e
+        floors = self.read_variance_dn2, other.read_variance_dn2
+        return bool(np.isclose(*gains, rtol=1e-3) and np.isclose(*floors, rtol=1e-3, atol=1e-4))
+
     @property
     def read_noise_e(self) -> float:
         """σ_r in electrons; NaN where K is not seen."""
@@ -69,7 +75,13 @@ class NoiseModel:
 
 
 def fit_noise_model(
-    mean_dn: Cells, variance_dn2: Cells, n_lines: Columns, offset_dn: Columns, use: Mask
+    mean_dn: Cells,
+    variance_dn2: Cells,
+    n_lines: Columns,
+    offset_dn: Columns,
+    use: Mask,
+    *,
+    start: NoiseModel | None = None,
 ) -> NoiseModel:
     """Fit K and σ_r² to the cells in `use` by weighted least squares.
 
@@ -82,6 +94,7 @@ def fit_noise_model(
         n_lines: Lines of each block, (n_blocks,).
         offset_dn: DN0, (n_columns,).
         use: Cells that are neither clipped nor masked.
+        start: A fit to nearly the same cells, from which few steps lead on.
 
     Raises:
         NotDeterminedError: `no-temporal-noise` where no block has two lines or more.
@@ -96,8 +109,9 @@ def fit_noise_model(
     mean, observed = mean_dn[use], variance_dn2[use]
     signal = np.maximum((mean_dn - offset_dn)[use], 0.0)
     freedom = np.broadcast_to(n_lines[:, None], mean_dn.shape)[use] - 1.0
-    model = NoiseModel(0.0, max(float(observed.mean()) - 1.0 / 12.0, 1e-4), 0.0, 0.0)
-    for _ in range(6):
+    pooled = NoiseModel(0.0, max(float(observed.mean()) - 1.0 / 12.0, 1e-4), 0.0, 0.0)
+    model = start or pooled
+    for _ in range(2 if start else 6):
         sigma = model.sigma_dn(signal)
         codes = rounded_moments(unrounded_mean(mean, sigma).mean_dn, sigma)
         typical = typical_variance(sigma)

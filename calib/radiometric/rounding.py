@@ -21,9 +21,10 @@ Cells = NDArray[np.float64]
 
 HARMONICS = 8
 SMALLEST_SIGMA_DN = 0.1
-"""Below it the series above would need more harmonics; σ is taken as this."""
+"""Below it the first two series would need more harmonics; σ is taken as this."""
 NEGLIGIBLE_SIGMA_DN = 1.2
 """From here on the first harmonic is below 1e-12 DN."""
+NEWTON_STEPS = 12
 INVERTIBLE_SIGMA_DN = 0.25
 """Below it the mean code hardly moves with µ (by 0.42 of it at µ whole): no way back."""
 
@@ -61,15 +62,27 @@ def rounded_moments(mean_dn: Cells, sigma_dn: Cells) -> RoundedMoments:
 
 
 def _harmonics(mean: Cells, sigma: Cells) -> tuple[Cells, Cells, Cells]:
-    """Return the bias, the variance's cosine terms and the bias' derivative, (n,)."""
+    """Return the bias, the variance's cosine terms and the bias' derivative, (n,).
+
+    cos kθ, sin kθ and q_k = q_1^(k²) by recurrence: one sine, cosine and exponential per cell.
+    """
     sigma2 = np.maximum(sigma, SMALLEST_SIGMA_DN) ** 2
+    needed = int(np.ceil(NEGLIGIBLE_SIGMA_DN / np.sqrt(sigma2.min(initial=1.0))))
+    turn = 2.0 * np.pi * (mean - np.rint(mean))
+    cosine, sine = np.cos(turn), np.sin(turn)
+    damp = np.exp(-2.0 * np.pi**2 * sigma2)
+    step, damp2 = damp.copy(), damp**2
+    cos_k, sin_k, q_k = cosine, sine, damp
     bias, extra, slope = (np.zeros_like(mean) for _ in range(3))
-    for k in range(1, HARMONICS + 1):
-        damped = (-1.0) ** k * np.exp(-2.0 * (np.pi * k) ** 2 * sigma2)
-        cosine = damped * np.cos(2.0 * np.pi * k * mean)
-        bias += damped * np.sin(2.0 * np.pi * k * mean) / (np.pi * k)
-        slope += 2.0 * cosine
-        extra += cosine * (1.0 / (np.pi * k) ** 2 + 4.0 * sigma2)
+    for k in range(1, min(needed, HARMONICS) + 1):
+        sign = -1.0 if k % 2 else 1.0
+        along = sign * q_k * cos_k
+        bias += (sign / (np.pi * k)) * q_k * sin_k
+        slope += 2.0 * along
+        extra += along * (1.0 / (np.pi * k) ** 2 + 4.0 * sigma2)
+        cos_k, sin_k = cos_k * cosine - sin_k * sine, sin_k * cosine + cos_k * sine
+        step = step * damp2
+        q_k = q_k * step
     return bias, extra, slope
 
 
@@ -78,9 +91,10 @@ def mean_square_bias(sigma_dn: Cells) -> Cells:
     sigma = np.asarray(sigma_dn, np.float64)
     total = np.zeros_like(sigma)
     coarse = sigma < NEGLIGIBLE_SIGMA_DN
-    sigma2 = np.maximum(sigma[coarse], SMALLEST_SIGMA_DN) ** 2
+    sigma2 = sigma[coarse] ** 2
     for k in range(1, HARMONICS + 1):
-        total[coarse] += np.exp(-4.0 * (np.pi * k) ** 2 * sigma2) / (2.0 * (np.pi * k) ** 2)
+        damped = np.exp(-4.0 * (np.pi * k) ** 2 * sigma2)
+        total[coarse] += damped / (2.0 * (np.pi * k) ** 2)
     return total
 
 
@@ -126,8 +140,10 @@ def unrounded_mean(mean_code: Cells, sigma_dn: Cells) -> UnroundedMean:
 def _invert(code: Cells, sigma: Cells) -> Cells:
     """Solve µ + b(µ) = code by Newton's method; the left side rises with µ everywhere."""
     estimate = code.copy()
-    for _ in range(8):
+    for _ in range(NEWTON_STEPS):
         bias, _, slope = _harmonics(estimate, sigma)
-        step = (code - estimate - bias) / (1.0 + slope)
-        estimate += np.clip(step, -0.25, 0.25)
+        step = np.clip((code - estimate - bias) / (1.0 + slope), -0.25, 0.25)
+        estimate += step
+        if np.abs(step).max(initial=0.0) < 1e-7:
+            break
     return estimate

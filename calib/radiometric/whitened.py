@@ -40,7 +40,7 @@ def whitened_rows(
         relative = np.sqrt(scatter**2 + np.nan_to_num(variance) / profile**2)
         sigma = relative * profile
         scaled_rows, target = rows[kept] / sigma[kept, None], slope[kept] / sigma[kept]
-        solution = np.linalg.lstsq(scaled_rows, target, rcond=None)[0]
+        solution = np.linalg.solve(scaled_rows.T @ scaled_rows, scaled_rows.T @ target)
         floor = 1e-3 * np.nanmedian(slope[use])
         profile = np.maximum(design[:, n_taps:] @ solution[n_taps:], floor)
         rest = (slope - rows @ solution) / profile

@@ -50,6 +50,7 @@ class Bench:
         return RecordingHeader(
             camera=CameraHeader(columns=self.n, bit_depth=self.bit_depth),
             source=SourceHeader(kind="sphere", lamps=6, radiance_unit="W", **stated),
+            blocks=tuple(self.conditions()),
         )
 
     def conditions(self) -> list[Block]:

@@ -1,0 +1,132 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from calib.radiometric.column_state import ColumnState
+from calib.radiometric.from_statistics import Determined, determine
+from calib.radiometric.provenance import Provenance
+from calib.recording.block_statistics import BlockStatistics, RecordingStatistics
+from tests.calib.radiometric.simulated import Bench, draw
+
+BENCH = Bench(n=128, lines=48)
+
+
+def determined(bench: Bench, statistics: RecordingStatistics) -> Determined:
+    return determine(statistics, bench.header(), Provenance("0" * 64))
+
+
+def with_column(
+    statistics: RecordingStatistics, column: int, codes: NDArray[np.float64]
+) -> RecordingStatistics:
+    """Replace one column of every block by codes of the block's mean, (n_blocks, n_lines)."""
+    changed = []
+    for block, dn in zip(statistics.fit, codes, strict=True):
+        clipped = np.clip(np.rint(dn), 0, 4095)
+        new = {
+            "mean_dn": clipped.mean(),
+            "variance_dn2": clipped.var(ddof=1),
+            "n_at_zero": (clipped == 0).sum(),
+            "n_at_full_scale": (clipped == 4095).sum(),
+        }
+        arrays = {name: getattr(block, name).copy() for name in new}
+        for name, value in new.items():
+            arrays[name][column] = value
+        changed.append(BlockStatistics(block.block, block.n_lines, **arrays))
+    return RecordingStatistics(tuple(changed))
+
+
+@pytest.mark.parametrize(
+    ("state", "mean"),
+    [
+        (ColumnState.DEAD, lambda d: np.full(len(d.noise_free), 17.0)),
+        (ColumnState.DEAD, lambda d: np.zeros(len(d.noise_free))),
+        (ColumnState.NEVER_LIT, lambda d: np.full(len(d.noise_free), 60.0)),
+        (ColumnState.NEVER_LIT, lambda d: 60.0 + 0.05 * (d.noise_free[:, 40] - d.offset[40])),
+        (ColumnState.HOT, lambda d: d.noise_free[:, 40] + 900.0),
+        (ColumnState.SATURATED, lambda d: d.noise_free[:, 40] + 20000.0),
+        (ColumnState.VALID, lambda d: 60.0 + 0.6 * (d.noise_free[:, 40] - d.offset[40])),
+    ],
+    ids=["stuck", "black", "noise-only", "hardly-lit", "hot", "saturated", "dusty"],
+)
+def test_a_column_is_masked_with_its_reason(state: ColumnState, mean) -> None:  # type: ignore[no-untyped-def]
+    rng = np.random.default_rng()
+    drawn = draw(BENCH, rng, pixels=True)
+    noise = 0.0 if state == ColumnState.DEAD else 1.5
+    level = mean(drawn)[:, None] + noise * rng.standard_normal((len(drawn.noise_free), 48))
+    found = determined(BENCH, with_column(drawn.statistics, 40, level)).coefficients
+    assert ColumnState(found.reason[40]) == state
+    others = np.delete(np.arange(128), 40)
+    assert (found.reason[others] == ColumnState.VALID).all()
+    if state != ColumnState.VALID:
+        assert np.isnan(found.responsivity[40])
+        assert np.isnan(found.slope[40])
+        assert np.isfinite(found.vignette[40])
+
+
+def test_masked_columns_leave_the_others_as_they_were() -> None:
+    rng = np.random.default_rng()
+    drawn = draw(BENCH, rng, pixels=True)
+    stuck = np.full((len(drawn.noise_free), 48), 17.0)
+    clean = determined(BENCH, drawn.statistics).coefficients
+    masked = determined(BENCH, with_column(drawn.statistics, 40, stuck)).coefficients
+    others = np.delete(np.arange(128), 40)
+    away = np.abs(masked.slope - clean.slope)[others] / clean.slope_std[others]
+    assert away.max() < 0.1
+
+
+def test_a_dark_that_clips_is_left_out_of_the_comparison() -> None:
+    bench = replace(BENCH, offset_mean=3.0, offset_std=4.0, darks=6)
+    drawn = draw(bench, np.random.default_rng(), pixels=True)
+    found = determined(bench, drawn.statistics)
+    darks = found.darks
+    assert darks is not None
+    assert darks.clipping_columns > 20
+    assert darks.capped_mean_dn > drawn.offset.mean() + 0.2
+    assert abs(darks.significance_sigma) < 5
+    assert any("clip at 0 in the dark" in text for text in found.warnings)
+
+
+def test_stray_light_in_the_darks_is_significant() -> None:
+    drawn = draw(BENCH, np.random.default_rng(), pixels=True)
+    lifted = tuple(
+        replace(s, mean_dn=s.mean_dn + 2.0) if s.block.kind == "dark" else s
+        for s in drawn.statistics.fit
+    )
+    found = determined(BENCH, RecordingStatistics(lifted))
+    assert found.darks is not None
+    assert found.darks.difference_dn == pytest.approx(2.0, abs=5 * found.darks.difference_std_dn)
+    assert found.darks.significance_sigma > 10
+    assert any("differ by" in text for text in found.warnings)
+
+
+def test_dark_current_is_taken_off_the_responsivity() -> None:
+    bench = replace(BENCH, dark_current=0.1, darks=5)
+    drawn = draw(bench, np.random.default_rng(), pixels=True)
+    found = determined(bench, drawn.statistics)
+    c = found.coefficients
+    assert np.mean(c.dark_current_dn_per_us) == pytest.approx(0.1, rel=0.05)
+    z = (c.slope / (drawn.vignette * drawn.responsivity) - 1) / (c.slope_std / c.slope)
+    assert abs(np.mean(z - z.mean())) < 1e-9
+    assert any("The dark grows by" in text for text in found.warnings)
+
+
+def test_a_response_that_bends_is_said() -> None:
+    drawn = draw(BENCH, np.random.default_rng(), pixels=True)
+    bent = tuple(
+        replace(s, mean_dn=s.mean_dn * (1 - 2e-5 * s.mean_dn)) for s in drawn.statistics.fit
+    )
+    found = determined(BENCH, RecordingStatistics(bent))
+    assert (found.coefficients.reduced_chi_squared or 0) > 3
+    assert any("do not fit within the noise" in text for text in found.warnings)
+
+
+def test_saturated_blocks_do_not_bend_the_line() -> None:
+    bench = replace(BENCH, exposures=(100.0, 200.0, 300.0, 400.0, 800.0, 1600.0))
+    drawn = draw(bench, np.random.default_rng(), pixels=True)
+    c = determined(bench, drawn.statistics).coefficients
+    z = (c.dark_offset_dn - drawn.offset) / c.dark_offset_dn_std
+    assert c.valid.all()
+    assert abs(z.std() - 1) < 0.35
+    assert (c.reduced_chi_squared or 9) < 1.5

@@ -1,0 +1,106 @@
+"""Is a standard uncertainty the standard deviation of what happens?
+
+PRNU, offsets, noise, the certificate's error and each level's are drawn anew for each recording.
+Errors of one recording's columns are correlated through VE and the scale, so that the bounds of
+the mean and of the standard deviation come from the scatter between recordings.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from calib.radiometric.from_statistics import determine
+from calib.radiometric.provenance import Provenance
+from tests.calib.radiometric.simulated import Bench, draw
+
+NAMES = ("dark_offset", "vignette", "responsivity", "scale")
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Mean and mean square of z by recording and quantity, (n_recordings, 4)."""
+
+    mean: NDArray[np.float64]
+    square: NDArray[np.float64]
+
+    def check(self, tolerance: float) -> None:
+        """Assert mean 0 and standard deviation 1 within `tolerance`, chance (4 sigma) aside.
+
+        1,000 recordings tell the mean of the scale's z to 0.032 and its deviation to 0.022, so
+        that there chance is no more than the tolerance's size; fewer are allowed both.
+        """
+        n = len(self.mean)
+        for k, name in enumerate(NAMES):
+            mean, square = self.mean[:, k].mean(), self.square[:, k].mean()
+            bound = _bound(tolerance, 4 * self.mean[:, k].std() / np.sqrt(n), n)
+            assert abs(mean) < bound, f"{name}: mean z {mean:.3f}"
+            sd = np.sqrt(square - mean**2)
+            bound = _bound(tolerance, 2 * self.square[:, k].std() / np.sqrt(n), n)
+            assert abs(sd - 1) < bound, f"{name}: sd of z {sd:.3f}"
+
+
+def _bound(tolerance: float, by_chance: float, n: int) -> float:
+    return max(tolerance, by_chance) if n >= 1000 else tolerance + by_chance
+
+
+def cover(bench: Bench, rng: Generator, recordings: int, *, pixels: bool = False) -> Coverage:
+    z = np.array([_z(bench, rng, pixels=pixels) for _ in range(recordings)])
+    return Coverage(z[:, 0], z[:, 1])
+
+
+def _z(bench: Bench, rng: Generator, *, pixels: bool) -> tuple[list[float], list[float]]:
+    drawn = draw(bench, rng, pixels=pixels)
+    got = determine(drawn.statistics, bench.header(), Provenance("0" * 64)).coefficients
+    valid = got.valid
+    off_axis = valid & (np.abs(np.arange(bench.n) - got.axis_column) > 0.15 * bench.n)
+    relative = (got.slope / (drawn.vignette * drawn.responsivity) - 1)[valid]
+    own = np.sqrt(np.mean((got.slope_std / got.slope)[valid] ** 2) / valid.sum())
+    z = (
+        ((got.dark_offset_dn - drawn.offset) / got.dark_offset_dn_std)[valid],
+        ((got.vignette - drawn.vignette) / got.vignette_std)[off_axis],
+        ((got.responsivity - drawn.responsivity) / got.responsivity_std)[valid],
+        np.array([relative.mean() / np.hypot(got.scale_relative_std, own)]),
+    )
+    return [float(v.mean()) for v in z], [float((v**2).mean()) for v in z]
+
+
+def test_over_a_thousand_recordings_z_scores_have_mean_0_and_standard_deviation_1() -> None:
+    cover(Bench(), np.random.default_rng(), 1000).check(0.1)
+
+
+EIGHT_BITS = Bench(
+    bit_depth=8, gain=0.004, read_dn=0.35, offset_mean=6.0, offset_std=1.2, response=0.1, lines=40
+)
+
+CASES = [
+    pytest.param(Bench(n=128, lines=24), True, id="pixels"),
+    pytest.param(EIGHT_BITS, True, id="8-bit-pixels"),
+    pytest.param(replace(EIGHT_BITS, read_dn=0.17), True, id="8-bit-below-rounding"),
+    pytest.param(Bench(line_noise_dn=2.0, darks=8), False, id="line-noise"),
+    pytest.param(Bench(level_error=None), False, id="levels-without-stated-error"),
+    pytest.param(Bench(dark_current=0.05, darks=5), False, id="dark-current"),
+    pytest.param(Bench(levels=()), False, id="exposure-sweep-only"),
+]
+
+
+@pytest.mark.parametrize(("bench", "pixels"), CASES)
+def test_uncertainties_hold_under_other_conditions(bench: Bench, pixels: bool) -> None:
+    cover(bench, np.random.default_rng(), 40 if pixels else 80, pixels=pixels).check(0.1)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize(("bench", "pixels"), CASES)
+def test_uncertainties_hold_under_other_conditions_over_many_recordings(
+    bench: Bench, pixels: bool
+) -> None:
+    cover(bench, np.random.default_rng(), 1000, pixels=pixels).check(0.1)
+
+
+@pytest.mark.soak
+def test_a_source_that_is_not_steady_is_covered_with_the_few_degrees_of_freedom_there_are() -> None:
+    exposures = tuple(np.linspace(50.0, 500.0, 12))
+    bench = Bench(unrest=0.002, exposures=exposures)
+    cover(bench, np.random.default_rng(), 1000).check(0.1)

@@ -1,0 +1,86 @@
+import numpy as np
+import pytest
+
+from calib.errors import InputError, NotDeterminedError
+from calib.radiometric.common_mode import CommonMode
+from calib.radiometric.radiance_table import LevelGroups, group_levels
+from calib.radiometric.scale import radiance_scale
+from calib.recording.header import Block
+
+QUIET = CommonMode(0.0, 0.0, 5, 1.0, np.zeros((5, 5)), np.zeros((5, 5)), (1, 2, 3))
+RELATIVE = np.array([1.0, 2.0, 3.1, 3.9])
+
+
+def groups(radiance: list[float]) -> LevelGroups:
+    return LevelGroups(np.arange(4), np.arange(1.0, 5.0), np.array(radiance))
+
+
+def test_the_scale_is_the_levels_common_ratio() -> None:
+    scale = radiance_scale(groups(list(12.5 * RELATIVE)), RELATIVE, QUIET, 0.003)
+    assert scale.radiance_of_reference == pytest.approx(12.5)
+    assert scale.by_levels == pytest.approx(0.003 / 2)
+    np.testing.assert_allclose(scale.level_ratio, 0.0, atol=1e-12)
+
+
+def test_a_level_without_radiance_or_without_light_has_no_say() -> None:
+    radiance = [12.5, np.nan, 12.5 * 3.1, 999.0]
+    relative = np.array([1.0, 2.0, 3.1, np.nan])
+    scale = radiance_scale(groups(radiance), relative, QUIET, 0.003)
+    assert scale.radiance_of_reference == pytest.approx(12.5)
+    assert scale.by_levels == pytest.approx(0.003 / np.sqrt(2))
+
+
+def test_one_level_is_enough_and_states_what_its_radiance_is_worth() -> None:
+    scale = radiance_scale(groups([np.nan, 25.0, np.nan, np.nan]), RELATIVE, QUIET, 0.01)
+    assert scale.radiance_of_reference == pytest.approx(12.5)
+    assert scale.by_levels == pytest.approx(0.01)
+
+
+def test_scatter_of_the_levels_is_found_where_none_is_stated() -> None:
+    rng = np.random.default_rng()
+    found = []
+    for _ in range(400):
+        radiance = 12.5 * RELATIVE * (1 + 0.02 * rng.standard_normal(4))
+        found.append(radiance_scale(groups(list(radiance)), RELATIVE, QUIET, None))
+    z = [np.log(s.radiance_of_reference / 12.5) / s.by_levels for s in found]
+    assert np.mean([s.level_relative_std**2 for s in found]) == pytest.approx(0.02**2, rel=0.25)
+    assert np.median(np.abs(z)) < 0.75
+
+
+def test_levels_at_odds_with_what_is_stated_are_significant() -> None:
+    noisy = CommonMode(0.0, 0.0, 5, 1.0, np.eye(5) * 1e-10, np.zeros((5, 5)), (1, 2, 3))
+    radiance = 12.5 * RELATIVE * np.array([1.0, 1.02, 1.0, 0.98])
+    assert radiance_scale(groups(list(radiance)), RELATIVE, noisy, 0.001).scatter_sigma > 10
+
+
+def test_no_radiance_is_said() -> None:
+    with pytest.raises(NotDeterminedError) as refusal:
+        radiance_scale(groups([np.nan] * 4), RELATIVE, QUIET, None)
+    assert refusal.value.code == "no-radiance"
+
+
+def flat(level: float, radiance: float | None) -> Block:
+    return Block(block="0", kind="flat", exposure_us=1.0, level=level, radiance=radiance)
+
+
+def test_a_block_takes_its_levels_radiance_from_another_block() -> None:
+    got = group_levels([flat(1, None), flat(1, 12.5), flat(2, None)])
+    np.testing.assert_array_equal(got.of_block, [0, 0, 1])
+    np.testing.assert_array_equal(got.radiance, [12.5, np.nan])
+
+
+def test_a_given_table_goes_before_the_recording() -> None:
+    got = group_levels([flat(1, 12.5), flat(2, 25.0)], {1.0: 13.0})
+    np.testing.assert_array_equal(got.radiance, [13.0, 25.0])
+
+
+@pytest.mark.parametrize("radiance", [float("nan"), 0.0, -1.0, float("inf")])
+def test_a_radiance_that_is_no_radiance_is_refused(radiance: float) -> None:
+    with pytest.raises(InputError) as refusal:
+        group_levels([flat(1, None)], {1.0: radiance})
+    assert refusal.value.code == "bad-radiance"
+
+
+def test_a_flat_of_radiance_zero_is_refused() -> None:
+    with pytest.raises(InputError, match="Block 0 is a flat of radiance 0"):
+        group_levels([flat(1, 0.0)])
