@@ -42,6 +42,8 @@ def fit_lines(
     means: NDArray[np.generic],
     weights: NDArray[np.floating] | None,
     exposures: NDArray[np.floating],
+    *,
+    out: NDArray[np.floating] | None = None,
 ) -> LineFit:
     """Fit a straight line against exposure in each column.
 
@@ -51,6 +53,8 @@ def fit_lines(
         weights: None (all 1), (n_exposures,) shared by all columns, or (n_exposures, n_columns);
             inverse variances. A weight of 0 masks a sample, whatever its mean (NaN too).
         exposures: (n_exposures,), any unit.
+        out: (2, n_columns), where offset and slope are put if the weights are shared; of the dtype
+            that is returned. Fresh memory for millions of pixels costs as much as the fit.
 
     Raises:
         InputError: shapes disagree ("fit-shape"), a weight is negative or not finite
@@ -61,7 +65,7 @@ def fit_lines(
     _check_shapes(means, weights, times)
     precision = np.float32 if means.dtype in _SHORT else np.float64
     if weights is None or weights.ndim == 1:
-        return _fit_shared(means, weights, times, precision)
+        return _fit_shared(means, weights, times, _estimates(means, precision, out))
     values = means.astype(np.float64, copy=False)
     fitted = np.empty((5, means.shape[1]))
     _fit_columns(values, weights.astype(np.float64, copy=False), times, fitted)
@@ -92,11 +96,24 @@ def _check_shapes(
         raise InputError(msg, code="fit-weights")
 
 
+def _estimates(
+    means: NDArray[np.generic], precision: type[np.floating], out: NDArray[np.floating] | None
+) -> NDArray[np.floating]:
+    """Return where offset and slope are put, (2, n_columns)."""
+    shape = (2, means.shape[1])
+    if out is None:
+        return np.empty(shape, precision)
+    if out.shape != shape or out.dtype != precision:
+        msg = f"Output of shape {out.shape}, {out.dtype}, must be {shape}, {np.dtype(precision)}."
+        raise InputError(msg, code="fit-shape")
+    return out
+
+
 def _fit_shared(
     means: NDArray[np.generic],
     weights: NDArray[np.floating] | None,
     exposures: NDArray[np.float64],
-    precision: type[np.floating],
+    estimates: NDArray[np.floating],
 ) -> LineFit:
     """Fit with the same weights in every column: two linear combinations of the rows."""
     shared = np.ones(len(exposures)) if weights is None else weights.astype(np.float64)
@@ -111,8 +128,7 @@ def _fit_shared(
     spread = (shared * (exposures - centre) ** 2).sum()
     for_slope = shared * (exposures - centre) / spread
     for_offset = shared / total - centre * for_slope
-    offset = np.empty(rows.shape[1], precision)
-    slope = np.empty(rows.shape[1], precision)
+    offset, slope = estimates
     _combine(rows, tuple(for_offset.tolist()), tuple(for_slope.tolist()), offset, slope)
     variances = 1 / total + centre**2 / spread, 1 / spread, -centre / spread
     return LineFit(

@@ -5,11 +5,15 @@ With s = DN - dark, each column has radiance = s·scale and the variance of s
 in single precision. `calib.radiometric.apply_terms` says what the terms are made of.
 """
 
+from typing import TypeVar
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from calib.arrays import RawLines
+
+Scalar = TypeVar("Scalar", bound=np.generic)
 
 _SATURATED = np.uint8(1)
 _BELOW_BLACK = np.uint8(2)
@@ -17,6 +21,7 @@ _EXTRAPOLATED = np.uint8(8)
 _NONE = np.uint8(0)
 _ZERO = np.float32(0)
 _INFINITE = np.float32(np.inf)
+_CACHE_LINE = 64
 
 Floats = NDArray[np.float32]
 Terms = tuple[Floats, Floats, Floats, Floats, Floats, np.float32]
@@ -45,6 +50,14 @@ def correct(
         _radiance(dn, terms[:2], limits, base_flags, (radiance, flags))
     else:
         _radiance_and_std(dn, terms, limits, base_flags, (radiance, std, flags))
+
+
+def aligned(shape: tuple[int, int], dtype: type[Scalar]) -> NDArray[Scalar]:
+    """Return uninitialised memory that starts at a cache line: stores across two are slower."""
+    size = int(np.prod(shape)) * np.dtype(dtype).itemsize
+    block = np.empty(size + _CACHE_LINE, np.uint8)
+    start = -block.ctypes.data % _CACHE_LINE
+    return block[start : start + size].view(dtype).reshape(shape)
 
 
 @njit(cache=True, nogil=True, inline="always")

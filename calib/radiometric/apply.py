@@ -52,9 +52,9 @@ class Radiance:
         """Return arrays to be filled, for `Correction.lines(..., out=...)`."""
         shape = (n_lines, n_columns)
         return cls(
-            np.empty(shape, np.float32),
-            np.empty(shape, np.float32) if std else None,
-            np.empty(shape, np.uint8),
+            kernel.aligned(shape, np.float32),
+            kernel.aligned(shape, np.float32) if std else None,
+            kernel.aligned(shape, np.uint8),
         )
 
     def check_fits(self, dn: RawLines) -> None:

@@ -118,3 +118,19 @@ def test_inputs_are_left_as_they_were():
     means.flags.writeable = weights.flags.writeable = False
     fit_lines(means, weights, EXPOSURES_US)
     fit_lines(means, None, EXPOSURES_US)
+
+
+def test_estimates_go_where_they_are_wanted():
+    means = default_rng(8).uniform(0, 100, (5, 70)).astype(np.float32)
+    out = np.empty((2, 70), np.float32)
+    fit = fit_lines(means, None, EXPOSURES_US, out=out)
+    fresh = fit_lines(means, None, EXPOSURES_US)
+    assert np.shares_memory(fit.offset, out)
+    np.testing.assert_array_equal(out, [fresh.offset, fresh.slope])
+
+
+@pytest.mark.parametrize("out", [np.empty((2, 69), np.float32), np.empty((2, 70))])
+def test_estimates_are_not_put_where_they_do_not_fit(out):
+    with pytest.raises(InputError) as error:
+        fit_lines(np.ones((5, 70), np.float32), None, EXPOSURES_US, out=out)
+    assert error.value.code == "fit-shape"
