@@ -9,6 +9,7 @@ from time import monotonic
 from drivers.errors import DeviceError
 from drivers.ports import Cancelled, DeviceIdentity, LampState, LightState, never
 from drivers.serial.gen_lamp import GenLamp, LampRating
+from drivers.serial.gen_off import read_back_off
 from drivers.serial.gen_units import GenUnits, UnitReading
 from drivers.serial.lamp_hours import LampHours
 from drivers.serial.levels import whole_level
@@ -122,11 +123,7 @@ class GenLamps:
         self._ordered_off.set()
         with suppress(DeviceError):  # it is sent again, with the lock held, and read back
             self._units.link.interject("GOUT OFF")
-        with self._units.link.lock:
-            readings, failures = self._off_and_read()
-        if failures:
-            raise self._not_off(failures)
-        return self._state(readings)
+        return self._state(read_back_off(self._units, self._lamps))
 
     def close(self) -> None:
         """Release the line; the lamps stay as they are. Safe to call twice."""
@@ -180,35 +177,6 @@ class GenLamps:
             self.off()
         except DeviceError as second:
             error.add_note(str(second))
-
-    def _off_and_read(self) -> tuple[list[UnitReading], list[tuple[GenLamp, DeviceError]]]:
-        readings: list[UnitReading] = []
-        failures: list[tuple[GenLamp, DeviceError]] = []
-        with suppress(DeviceError):  # what is wrong shows when each lamp is read back
-            self._units.all_off()
-        for lamp in self._lamps:
-            try:
-                if (reading := lamp.read()).output_on:
-                    lamp.switch_off()
-                    reading = lamp.read()
-                if problem := lamp.problem(reading, should_burn=False):
-                    raise problem
-                readings.append(reading)
-            except DeviceError as error:
-                failures.append((lamp, error))
-        return readings, failures
-
-    def _not_off(self, failures: list[tuple[GenLamp, DeviceError]]) -> DeviceError:
-        device = self._units.link.device
-        names = ", ".join(str(lamp.unit.lamp) for lamp, _ in failures)
-        kinds = {type(error) for _, error in failures}
-        return (kinds.pop() if len(kinds) == 1 else DeviceError)(
-            f"{device}: not known to be off: lamp {names}; switch the supplies off by hand "
-            f"({failures[0][1]})",
-            device=device,
-            code="lamps-not-off",
-            last_exchange=failures[-1][1].last_exchange,
-        )
 
     def _state(self, readings: Sequence[UnitReading]) -> LightState:
         """Count the hours, and say what burns."""

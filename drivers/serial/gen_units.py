@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from drivers.errors import DeviceNotFoundError, DeviceTimeoutError, SettingRefusedError
-from drivers.serial.link import SerialLink, Sync, whole_line
+from drivers.serial.link import SerialLink
+from drivers.serial.sync import Sync, whole_line
 
 _NUMBER = re.compile(r"\d+\.\d+")
 _REFUSAL = re.compile(r"[CE]\d\d")

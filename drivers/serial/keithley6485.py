@@ -8,8 +8,9 @@ import time
 
 from drivers.errors import DeviceError, SettingRefusedError
 from drivers.ports import DeviceIdentity, MonitorReading
-from drivers.serial.link import SerialLink, Sync
+from drivers.serial.link import SerialLink
 from drivers.serial.port import PortSettings
+from drivers.serial.sync import Sync
 
 _READING = re.compile(
     r"(?P<current>[+-]\d\.\d{6}E[+-]\d\d)A,[+-]\d\.\d{6}E[+-]\d\d,(?P<status>[+-]\d\.\d{6}E[+-]\d\d)"

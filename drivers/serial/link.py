@@ -14,39 +14,14 @@ the known device has answered there; so lamps can be switched off as soon as the
 import re
 import time
 from collections import Counter
-from dataclasses import dataclass
 from threading import Lock, RLock
 
 from drivers.errors import DeviceError, DeviceTimeoutError, ProtocolError
 from drivers.serial.port import PortSettings, SerialPort
+from drivers.serial.sync import Sync
 
 _LINE_ENDS = re.compile(rb"[\r\n]")
 _BABBLE_S = 2.0  # longer than any reply: who talks on after this does not stop
-
-
-@dataclass(frozen=True)
-class Sync:
-    """A question whose answer is known, to get back into step.
-
-    Attributes:
-        question: Bytes to send, terminator included.
-        answer: What the reply looks like; nothing else that the device says matches.
-        clear: Ends a half-sent command, before the line is listened to until it is quiet.
-        preamble: Sent before the question (addressing); after `preamble_answer` has come,
-            `preamble_s` pass before the question.
-    """
-
-    question: bytes
-    answer: re.Pattern[bytes]
-    clear: bytes = b""
-    preamble: bytes = b""
-    preamble_answer: re.Pattern[bytes] | None = None
-    preamble_s: float = 0.0
-
-
-def whole_line(text: str) -> re.Pattern[bytes]:
-    """Return the pattern of a reply that is exactly `text`, whatever mix of CR and LF ends it."""
-    return re.compile(rb"(?<![^\r\n])" + re.escape(text.encode("ascii")) + rb"(?=[\r\n])")
 
 
 class SerialLink:

@@ -9,8 +9,9 @@ import time
 
 from drivers.errors import SettingRefusedError
 from drivers.ports import DeviceIdentity
-from drivers.serial.link import SerialLink, Sync
+from drivers.serial.link import SerialLink
 from drivers.serial.port import PortSettings
+from drivers.serial.sync import Sync
 
 _VERSION, _STATES = b"\x5a", b"\x5b"
 _ALL_ON, _ALL_OFF = 0x64, 0x6E  # plus n: relay n alone, 1 ... 8

@@ -22,7 +22,8 @@ _BURN_AND_WAIT = """
 import sys, time
 from drivers.serial.gen import GenLamps
 from drivers.serial.gen_lamp import LampRating
-lamps = GenLamps.open(sys.argv[1], addresses=[1, 2], rating=LampRating(4.0, 26.0))
+rating = LampRating(4.0, 26.0, ramp_step_a=4.0, ramp_step_s=0.0)
+lamps = GenLamps.open(sys.argv[1], addresses=[1, 2], rating=rating)
 lamps.set_level(2)
 print("burning", flush=True)
 while True:

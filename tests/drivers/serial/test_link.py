@@ -18,8 +18,9 @@ from drivers.errors import (
     DeviceTimeoutError,
     ProtocolError,
 )
-from drivers.serial.link import SerialLink, Sync
+from drivers.serial.link import SerialLink
 from drivers.serial.port import PortSettings
+from drivers.serial.sync import Sync
 from tests.drivers.serial.far_end import FarEnd, Script
 
 _SYNC = Sync(b"WHO?\r", re.compile(rb"(?<![^\r\n])me(?=[\r\n])"), clear=b"\r")
@@ -225,7 +226,7 @@ def test_interjection_goes_out_while_another_thread_waits(connect: Connect) -> N
 
     def wait() -> None:
         with pytest.raises(DeviceTimeoutError):
-            link.query("ASK", timeout_s=3.0)
+            link.query("ASK", timeout_s=1.0)
         if b"OFF" in far.heard:
             heard_before_the_time_out.set()
 
