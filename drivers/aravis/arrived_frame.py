@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from calib.arrays import RawLines
+from drivers.ports import CameraSettings, CapturedFrame
 
 
 @dataclass(frozen=True)
@@ -20,3 +21,15 @@ class ArrivedFrame:
     frame_id: int
     device_timestamp_ns: int
     host_timestamp_ns: int
+
+    def captured(self, used: CameraSettings, temperature_c: float | None) -> CapturedFrame:
+        """Return the frame with what was read back from the camera."""
+        return CapturedFrame(
+            dn=self.dn,
+            frame_id=self.frame_id,
+            device_timestamp_ns=self.device_timestamp_ns,
+            host_timestamp_ns=self.host_timestamp_ns,
+            exposure_us=used.exposure_us,
+            gain_db=used.gain_db,
+            sensor_temperature_c=temperature_c,
+        )

@@ -7,11 +7,12 @@ from typing import cast
 from drivers.aravis import feature_names as names
 from drivers.aravis.features import Features
 from drivers.aravis.gi_aravis import glib_error
+from drivers.aravis.gi_errors import speaking
 from drivers.aravis.gi_types import GiCamera
 from drivers.aravis.interfaces import is_loopback
 from drivers.aravis.open import open_camera
 from drivers.aravis.unpack import ByteOrder
-from drivers.errors import DeviceLostError
+from drivers.errors import DeviceLostError, DeviceTimeoutError
 from drivers.ports import DeviceIdentity
 
 LOOPBACK_PACKET_SIZE = 16384
@@ -67,6 +68,17 @@ class Connection:
         if name is not None:
             self.features.write_number(name, float(locked))
 
+    def stop_acquisition(self) -> None:
+        """Stop an acquisition, ours or one that a dead client left; a lost camera has none."""
+        if self.lost:
+            return
+        try:
+            with speaking(self.device, "stop its acquisition"):
+                self.camera.stop_acquisition()
+            self.set_locked(False)
+        except DeviceTimeoutError:  # after five tries: there is nobody any more
+            self._lost.set()
+
     def close(self) -> None:
         """Give control back, so that the next owner need not wait for the heartbeat to run out."""
         device = self.camera.get_device()
@@ -95,12 +107,9 @@ class Connection:
         return cast("ByteOrder", told) if told in ("little", "big") else "little"
 
     def _find_temperature(self) -> str | None:
-        for place in ("Sensor", "SensorBoard", "Mainboard"):
-            self.features.write_entry_where_there("DeviceTemperatureSelector", place)
-            if self._selected_temperature(place):
-                break
+        """Choose the place nearest to the sensor; return the feature that tells its temperature."""
+        places = self.features.entries("DeviceTemperatureSelector")
+        nearest = next((p for p in ("Sensor", "SensorBoard", "Mainboard") if p in places), None)
+        if nearest is not None:
+            self.features.write_entry("DeviceTemperatureSelector", nearest)
         return self.features.first_of(names.TEMPERATURE_C)
-
-    def _selected_temperature(self, place: str) -> bool:
-        selector = self.features.first_of(("DeviceTemperatureSelector",))
-        return selector is None or self.features.text(selector) == place

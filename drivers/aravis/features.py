@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from drivers.aravis.gi_aravis import aravis
+from drivers.aravis.gi_aravis import aravis, glib_error
 from drivers.aravis.gi_errors import speaking
 from drivers.aravis.gi_types import GiCamera
 from drivers.errors import SettingRefusedError
@@ -62,8 +62,7 @@ class Features:
         with speaking(self._device, f"read the range of {name}"):
             if self._is_float(name):
                 low, high = self._camera.get_float_bounds(name)
-                step = self._camera.get_float_increment(name)
-                return Bounds(low, high, step if step > _NO_STEP else 0.0)
+                return Bounds(low, high, self._float_step(name))
             lowest, highest = self._camera.get_integer_bounds(name)
             return Bounds(lowest, highest, self._camera.get_integer_increment(name) or 1)
 
@@ -117,8 +116,7 @@ class Features:
         Raises:
             SettingRefusedError: It has no such entry (names those it has), or did not take it.
         """
-        with speaking(self._device, f"read the entries of {name}"):
-            entries = tuple(self._camera.dup_available_enumerations_as_strings(name))
+        entries = self.entries(name)
         if wanted not in entries:
             raise self.refused(
                 f"{name} has no entry {wanted}; it has {', '.join(entries)}", "setting-unknown"
@@ -130,13 +128,16 @@ class Features:
             raise self.refused(f"{name}: wanted {wanted}, it reads back {got}", "setting-not-taken")
         return got
 
+    def entries(self, name: str) -> tuple[str, ...]:
+        """Return the entries of an enumeration; none where the camera has no such feature."""
+        if self.first_of((name,)) is None:
+            return ()
+        with speaking(self._device, f"read the entries of {name}"):
+            return tuple(self._camera.dup_available_enumerations_as_strings(name))
+
     def write_entry_where_there(self, name: str, wanted: str) -> None:
         """Choose an entry where the camera has the feature at all, and the entry."""
-        if self.first_of((name,)) is None:
-            return
-        with speaking(self._device, f"read the entries of {name}"):
-            entries = self._camera.dup_available_enumerations_as_strings(name)
-        if wanted in entries:
+        if wanted in self.entries(name):
             self.write_entry(name, wanted)
 
     def write_switch_where_there(self, name: str, wanted: bool) -> None:
@@ -148,6 +149,13 @@ class Features:
     def refused(self, what: str, code: str) -> SettingRefusedError:
         """Return the error that says `what` of this camera."""
         return SettingRefusedError(f"{self._device}: {what}", device=self._device, code=code)
+
+    def _float_step(self, name: str) -> float:
+        try:
+            step = self._camera.get_float_increment(name)
+        except glib_error():  # a register's description need not have one
+            return 0.0
+        return step if step > _NO_STEP else 0.0
 
     def _check_range(self, name: str, wanted: float, span: Bounds) -> None:
         slack = 1e-9 * max(abs(span.low), abs(span.high))

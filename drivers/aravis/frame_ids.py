@@ -22,9 +22,24 @@ class FrameIds:
         if step <= 0:
             self._last = last
             return ()
-        skipped = tuple(self._after(last, k) for k in range(1, step))
+        counted = range(last + 1, last + step)
+        wide = self._wide(last, frame_id)
+        skipped = tuple(k - _WRAP if k > _WRAP and not wide else k for k in counted)
         self._missing = set(skipped)
         return skipped
+
+    @property
+    def started(self) -> bool:
+        """Whether a frame has come."""
+        return self._last is not None
+
+    def may_be_next(self, frame_id: int) -> bool:
+        """Whether `frame_id` can be that of a frame that comes now.
+
+        A damaged frame whose leader is lost has no id: Aravis leaves 0 in its buffer, or the id
+        of the frame that was in it before.
+        """
+        return frame_id > 0 and (self._last is None or self._step(self._last, frame_id) > 0)
 
     def was_missed(self, frame_id: int) -> bool:
         """Whether `frame_id` was named missing in the latest gap, and now comes after all."""
@@ -39,8 +54,3 @@ class FrameIds:
             return new - last
         step = (new - last) % _WRAP
         return step if step <= _WRAP // 2 else step - _WRAP
-
-    def _after(self, last: int, steps: int) -> int:
-        if last + steps > _WRAP and not self._wide(last):
-            return last + steps - _WRAP
-        return last + steps

@@ -43,19 +43,22 @@ class FrameStream:
         self._device = device
         self._ids = FrameIds()
         self._underruns = 0
+        self._damage_without_id = ""
         payload = self._checked_payload()
         self._stream = self._created()
         for _ in range(options.n_buffers):
             self._stream.push_buffer(new_buffer(payload))
 
-    def pop(self, timeout_s: float) -> tuple[ArrivedFrame | LostFrame, ...] | None:
-        """Return the next frame, after those that were skipped before it; None: none in time.
+    def pop(self, timeout_s: float) -> tuple[ArrivedFrame | LostFrame, ...]:
+        """Return the next frame, after those that were skipped before it.
+
+        Nothing, where none came in time, or one that cannot be named before the next one comes.
 
         The pixels are copied out and the buffer goes back at once.
         """
         buffer = self._stream.timeout_pop_buffer(round(timeout_s * 1e6))
         if buffer is None:
-            return None
+            return ()
         try:
             return self._judged(buffer)
         finally:
@@ -104,24 +107,36 @@ class FrameStream:
 
     def _judged(self, buffer: GiBuffer) -> tuple[ArrivedFrame | LostFrame, ...]:
         frame_id = buffer.get_frame_id()
+        status = buffer.get_status()
+        is_whole = status == aravis().BufferStatus.SUCCESS
+        damage = "" if is_whole else str(getattr(status, "value_nick", status))
+        if damage and not self._ids.may_be_next(frame_id):
+            return self._without_id(damage)
         skipped = self._ids.missing_before(frame_id)
         missing = self._why_missing(len(skipped))
         before = tuple(LostFrame(each, missing) for each in skipped)
         if self._ids.was_missed(frame_id):  # named lost already; time has gone on without it
             return before
-        return (*before, self._frame(buffer, frame_id))
+        return (*before, LostFrame(frame_id, damage) if damage else self._frame(buffer, frame_id))
+
+    def _without_id(self, damage: str) -> tuple[LostFrame, ...]:
+        """Its id shows as a gap once the next frame comes; before the first one nothing would."""
+        if not self._ids.started:
+            return (LostFrame(None, damage),)
+        self._damage_without_id = damage
+        return ()
 
     def _why_missing(self, n_skipped: int) -> str:
         if not n_skipped:
             return ""
         underruns = self.report().underruns
         new, self._underruns = underruns - self._underruns, underruns
-        return "underrun: no buffer was free" if new else "never came: its leader was lost"
+        damage, self._damage_without_id = self._damage_without_id, ""
+        if new:
+            return "underrun: no buffer was free"
+        return f"{damage}, its leader too" if damage else "never came"
 
     def _frame(self, buffer: GiBuffer, frame_id: int) -> ArrivedFrame | LostFrame:
-        status = buffer.get_status()
-        if status != aravis().BufferStatus.SUCCESS:
-            return LostFrame(frame_id, str(getattr(status, "value_nick", status)))
         code = BY_PFNC.get(buffer.get_image_pixel_format())
         shape = (buffer.get_image_height(), buffer.get_image_width())
         wanted = (self._settings.frame_lines, self._settings.n_columns)

@@ -89,6 +89,9 @@ class SettingsWriter:
         """Take back what an earlier client may have left: triggers, automatics, test patterns."""
         for feature in names.AUTOMATIC:
             self.features.write_entry_where_there(feature, "Off")
+        for selected in self.features.entries("TriggerSelector"):
+            self.features.write_entry("TriggerSelector", selected)
+            self.features.write_entry_where_there("TriggerMode", "Off")
         self.features.write_entry_where_there("AcquisitionMode", "Continuous")
         self.features.write_entry_where_there("ExposureMode", "Timed")
         self.features.write_switch_where_there("AcquisitionLineRateEnable", True)

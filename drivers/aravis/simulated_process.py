@@ -88,6 +88,11 @@ class SimulatedCameraProcess:
         """Whether it has been started and has not died."""
         return self._process is not None and self._process.poll() is None
 
+    @property
+    def pid(self) -> int | None:
+        """Its process id, None where it is not started."""
+        return None if self._process is None else self._process.pid
+
     def said(self) -> str:
         """Return what it has written to standard error so far."""
         if self._errors is None:

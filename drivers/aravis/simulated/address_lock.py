@@ -25,7 +25,7 @@ def held(address: str, wait_s: float) -> Iterator[None]:
     Raises:
         DeviceBusyError: Somebody else holds it after `wait_s`; code `address-taken`.
     """
-    path = Path(tempfile.gettempdir()) / f"darkflat-gige-vision-{address}.lock"
+    path = Path(tempfile.gettempdir()) / f"darkflat-gige-vision-{address}-{_network()}.lock"
     deadline_s = time.monotonic() + wait_s
     with path.open("a") as file:
         while not (_locked(file.fileno()) and _port_free(address)):
@@ -38,6 +38,11 @@ def held(address: str, wait_s: float) -> Iterator[None]:
                 )
             time.sleep(_RETRY_S)
         yield
+
+
+def _network() -> int:
+    """Return what tells network namespaces apart: each has addresses of its own."""
+    return Path("/proc/self/ns/net").stat().st_ino
 
 
 def _locked(descriptor: int) -> bool:
