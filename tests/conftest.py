@@ -1,6 +1,10 @@
-"""Options and markers of this project's own tests: `--bench` names a real bench."""
+"""Options and markers of this project's own tests: `--bench` names a real bench.
 
-from collections.abc import Iterator
+With DARKFLAT_NO_SKIPS=1 a skipped test fails: where everything is installed, a skip hides a defect.
+"""
+
+import os
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -33,3 +37,11 @@ def hardware_bench(request: pytest.FixtureRequest) -> Iterator[Any]:
 
     with open_bench(request.config.getoption("--bench")) as bench:
         yield bench
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    report = yield
+    if report.skipped and os.environ.get("DARKFLAT_NO_SKIPS") == "1":
+        report.outcome = "failed"
+    return report
