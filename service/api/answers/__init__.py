@@ -1,0 +1,1 @@
+"""What the service answers: typed, so that the OpenAPI document is complete."""

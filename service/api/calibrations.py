@@ -1,0 +1,60 @@
+"""`/v1/calibrations`: from a recording to a coefficient set, as a job."""
+
+import uuid
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Response, status
+from pydantic import BaseModel, ConfigDict, Field
+
+from service.api.answers.job import JobAnswer
+from service.api.dependencies import RunnerDep, SettingsDep, StoreDep
+from service.api.openapi import problems
+from service.store.store import Store
+
+router = APIRouter(prefix="/v1/calibrations", tags=["calibrations"])
+
+
+class CalibrationRequest(BaseModel):
+    """Which recording, and how."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    recording: str = Field(description="Its digest.")
+    radiances: dict[float, Annotated[float, Field(gt=0)]] | None = Field(
+        default=None, description="Radiance by level; goes before what blocks state."
+    )
+    relative: bool = Field(default=False, description="Do without radiances.")
+    order: int | None = Field(default=None, ge=2, le=20, description="Of the vignette.")
+    darks_required: bool = True
+    by: str = Field(default="", max_length=200)
+
+
+@router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(404, 429))
+def start_calibration(
+    wanted: CalibrationRequest,
+    response: Response,
+    store: StoreDep,
+    settings: SettingsDep,
+    runner: RunnerDep,
+) -> JobAnswer:
+    """Queue a calibration; follow it at the `Location`. Its set is added as a draft."""
+    recording = store.recordings.get(wanted.recording)
+    out = settings.work_folder / f"calibration-{uuid.uuid4().hex}.h5"
+    record = runner.submit(
+        "calibrate",
+        wanted.model_dump(),
+        {"recording_path": recording.path, "out_path": str(out)},
+        lambda result: _keep(store, out, result, wanted.by),
+    )
+    response.headers["Location"] = f"/v1/jobs/{record.id}"
+    return JobAnswer.of(record)
+
+
+def _keep(store: Store, made: Path, result: dict[str, Any], by: str) -> dict[str, Any]:
+    """Add the set that the job made to the store."""
+    from calib.radiometric.coefficient_set import CoefficientSet  # noqa: PLC0415  (slow to import)
+
+    store.sets.add(CoefficientSet.load(made), by=by, reason="calibrated")
+    made.unlink()
+    return result

@@ -1,0 +1,76 @@
+"""A recording that was uploaded becomes one of ours: `recordings/<digest>/recording.h5`."""
+
+import shutil
+import tempfile
+from pathlib import Path
+
+from calib.errors import InputError
+from calib.recording.commit_log import commit_path
+from calib.recording.durable import sync
+from calib.recording.folder import import_folder
+from calib.recording.open import open_recording
+from service.api.hdf5_safety import check_self_contained
+from service.api.unpacking import unpack
+from service.settings import Settings
+from service.store.records import RecordingRecord
+from service.store.store import Store
+
+_FILE = "recording.h5"
+
+
+def import_archive(
+    archive: Path, *, name: str, by: str, settings: Settings, store: Store
+) -> RecordingRecord:
+    """Unpack, check and keep the recording in the zip file `archive`.
+
+    Raises:
+        InputError: What is wrong with it; nothing is kept then.
+    """
+    with tempfile.TemporaryDirectory(dir=settings.work_folder, prefix="import-") as folder:
+        unpacked, kept = Path(folder) / "unpacked", Path(folder) / "kept"
+        unpacked.mkdir()
+        kept.mkdir()
+        unpack(
+            archive,
+            unpacked,
+            limit_bytes=settings.max_upload_bytes,
+            limit_files=settings.max_upload_files,
+        )
+        _take(unpacked, kept / _FILE)
+        digest = open_recording(kept / _FILE).digest()
+        home = settings.recordings_folder / digest
+        _settle(kept, home)
+    return store.recordings.register(
+        open_recording(home / _FILE), name=name or digest[:12], by=by, digest=digest
+    )
+
+
+def _take(unpacked: Path, out: Path) -> None:
+    """Make the one recording under `unpacked` the file `out`."""
+    folders = list(unpacked.rglob("recording.toml"))
+    files = list(unpacked.rglob("*.h5"))
+    if len(folders) == 1 and not files:
+        import_folder(folders[0].parent, out)
+    elif len(files) == 1 and not folders:
+        check_self_contained(files[0])
+        if not commit_path(files[0]).is_file():
+            msg = f"{files[0].name} comes without its commit record; pack both files"
+            raise InputError(msg, code="no-commit-record")
+        commit_path(files[0]).rename(commit_path(out))
+        files[0].rename(out)
+    else:
+        msg = "the archive does not hold exactly one recording: a folder with recording.toml,"
+        msg += " or an .h5 with its .frames.jsonl"
+        raise InputError(msg, code="not-a-recording")
+
+
+def _settle(kept: Path, home: Path) -> None:
+    """Bring the files to the disk, then the folder under its name, if it is not there yet."""
+    for file in kept.iterdir():
+        sync(file)
+    home.parent.mkdir(parents=True, exist_ok=True)
+    if home.exists():  # the name is the content's digest: it is the same recording
+        shutil.rmtree(kept)
+        return
+    kept.rename(home)
+    sync(home.parent)

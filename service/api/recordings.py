@@ -1,0 +1,71 @@
+"""`/v1/recordings`."""
+
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, Response, status
+from starlette.concurrency import run_in_threadpool
+
+from service.api.answers.recording import RecordingAnswer, RecordingPage
+from service.api.dependencies import SettingsDep, StoreDep
+from service.api.importing import import_archive
+from service.api.openapi import problems
+from service.api.uploads import check_media_type, receive
+
+router = APIRouter(prefix="/v1/recordings", tags=["recordings"])
+
+_ZIP = "application/zip"
+
+
+@router.get("", responses=problems())
+def list_recordings(
+    store: StoreDep,
+    serial: str | None = None,
+    band: str | None = None,
+    limit: Annotated[int, Query(ge=1, le=500)] = 100,
+    before: Annotated[int | None, Query(ge=0, le=2**63 - 1)] = None,
+) -> RecordingPage:
+    """List recordings, newest first."""
+    return RecordingPage.of(
+        store.recordings.list(serial=serial, band=band, limit=limit, before=before)
+    )
+
+
+@router.get("/{digest}", responses=problems(404))
+def get_recording(digest: str, store: StoreDep) -> RecordingAnswer:
+    """Inspect a recording: its camera, its source, its blocks."""
+    return RecordingAnswer.model_validate(store.recordings.get(digest))
+
+
+@router.post(
+    "",
+    status_code=status.HTTP_201_CREATED,
+    responses=problems(413, 415, 507),
+    openapi_extra={
+        "requestBody": {
+            "required": True,
+            "description": "A zip of a recording folder, or of an .h5 and its .frames.jsonl.",
+            "content": {_ZIP: {"schema": {"type": "string", "format": "binary"}}},
+        }
+    },
+)
+async def import_recording(
+    *,
+    request: Request,
+    response: Response,
+    store: StoreDep,
+    settings: SettingsDep,
+    name: Annotated[str, Query(max_length=200, description="For people.")] = "",
+    by: Annotated[str, Query(max_length=200)] = "",
+) -> RecordingAnswer:
+    """Import a recording; one that is here already is answered as it is."""
+    check_media_type(request, _ZIP)
+    with tempfile.NamedTemporaryFile(dir=settings.work_folder, suffix=".zip") as archive:
+        await receive(request, archive, limit_bytes=settings.max_upload_bytes)
+        archive.flush()
+        record = await run_in_threadpool(
+            import_archive, Path(archive.name), name=name, by=by, settings=settings, store=store
+        )
+    response.headers["Location"] = f"{router.prefix}/{record.digest}"
+    return RecordingAnswer.model_validate(record)

@@ -1,0 +1,77 @@
+"""Where the parts are joined: settings, store, jobs, and the routes."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from importlib.metadata import PackageNotFoundError, version
+
+from fastapi import FastAPI
+from starlette.concurrency import run_in_threadpool
+
+from service.api import (
+    apply,
+    calibrations,
+    coefficient_sets,
+    health,
+    jobs_routes,
+    recordings,
+)
+from service.api.dependencies import Parts
+from service.api.hosts import OnlyKnownHosts
+from service.api.jobs.runner import JobRunner
+from service.api.openapi import describe_api
+from service.api.problems import add_problem_handlers
+from service.settings import Settings
+from service.store.store import Store
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """Return the service; nothing is opened before it is started.
+
+    Args:
+        settings: Those of the environment where None.
+    """
+    known = settings or Settings.load()
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        parts = await run_in_threadpool(_open, known)
+        app.state.parts = parts
+        try:
+            yield
+        finally:
+            await run_in_threadpool(_close, parts)
+
+    app = FastAPI(
+        title="darkflat",
+        version=_version(),
+        summary="From a camera, a light source and a stack of frames to radiance one can trust.",
+        lifespan=lifespan,
+    )
+    app.add_middleware(OnlyKnownHosts)
+    add_problem_handlers(app)
+    for module in (health, recordings, calibrations, jobs_routes, coefficient_sets, apply):
+        app.include_router(module.router)
+    describe_api(app)
+    return app
+
+
+def _open(settings: Settings) -> Parts:
+    store = Store.open(settings)
+    settings.work_folder.mkdir(parents=True, exist_ok=True)
+    for left_behind in settings.work_folder.glob("calibration-*.h5"):
+        left_behind.unlink()
+    runner = JobRunner(store, max_waiting=settings.max_queued_jobs)
+    runner.start()
+    return Parts(settings, store, runner)
+
+
+def _close(parts: Parts) -> None:
+    parts.runner.close()
+    parts.store.close()
+
+
+def _version() -> str:
+    try:
+        return version("darkflat")
+    except PackageNotFoundError:
+        return "0"

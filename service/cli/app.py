@@ -1,0 +1,38 @@
+"""`darkflat`: all its commands, each in a file of its own."""
+
+import typer
+
+from service.cli.commands.apply import apply
+from service.cli.commands.calibrate import calibrate
+from service.cli.commands.demo import demo
+from service.cli.commands.doctor import doctor
+from service.cli.commands.export import export
+from service.cli.commands.import_folder import import_folder
+from service.cli.commands.serve import serve
+from service.cli.commands.simulate import simulate
+from service.cli.commands.store import store
+from service.cli.commands.sweep import sweep
+
+app = typer.Typer(
+    name="darkflat",
+    help="From a camera, a light source and a stack of frames to radiance one can trust.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+app.command("demo")(demo)
+app.command("serve")(serve)
+app.command("doctor")(doctor)
+app.command("sweep")(sweep)
+app.command("import")(import_folder)
+app.command("export")(export)
+app.command("calibrate")(calibrate)
+app.command("apply")(apply)
+app.command("simulate")(simulate)
+app.add_typer(store, name="store")
+
+
+def main() -> None:
+    """Run `darkflat`."""
+    app()

@@ -1,0 +1,34 @@
+"""`darkflat serve`: the service."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from service.cli.answering import Json, answering
+
+
+def serve(
+    *,
+    host: Annotated[str | None, typer.Option(help="127.0.0.1 where not given")] = None,
+    port: Annotated[int | None, typer.Option(min=0, max=65535, help="0: any that is free")] = None,
+    bench: Annotated[Path | None, typer.Option(metavar="bench.toml")] = None,
+    json: Json = None,
+) -> None:
+    """Serve recordings, calibrations and coefficient sets over HTTP, on this machine alone."""
+    with answering(json) as answer:
+        from service.app import create_app  # noqa: PLC0415
+        from service.cli.listening import listen, serve_until_stopped  # noqa: PLC0415
+        from service.settings import Settings  # noqa: PLC0415
+
+        loaded = Settings.load()
+        given = {"host": host, "port": port, "bench": bench}
+        settings = loaded.model_copy(update={k: v for k, v in given.items() if v is not None})
+        with listen(settings.host, settings.port) as listening:
+            app = create_app(settings)
+            url = f"http://{settings.host}:{listening.getsockname()[1]}"
+            answer.give(
+                {"url": url, "docs": f"{url}/docs", "home": settings.home},
+                lambda console: console.print(f"{url}/docs   (Ctrl-C ends it)", markup=False),
+            )
+            serve_until_stopped(app, listening)

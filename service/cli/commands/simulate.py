@@ -1,0 +1,37 @@
+"""`darkflat simulate`: the recording that a model would give."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from service.cli.answering import Json, answering
+from service.cli.progress import progress, share_of
+
+
+def simulate(
+    model: Annotated[Path, typer.Argument(metavar="MODEL.toml", help="Or the name of a preset")],
+    plan: Annotated[Path, typer.Argument(metavar="PLAN.toml")],
+    out: Annotated[
+        Path, typer.Option(help="The recording to write: .h5, or a folder where it has no ending")
+    ],
+    seed: Annotated[int | None, typer.Option(min=0, help="The same one, the same frames")] = None,
+    json: Json = None,
+) -> None:
+    """Draw the recording that a model's camera would make of a plan."""
+    with answering(json) as answer:
+        from service.cli.recording_summary import show, summary  # noqa: PLC0415
+        from service.cli.simulated_recording import load_model, simulate_recording  # noqa: PLC0415
+        from service.plan.model import Plan  # noqa: PLC0415
+
+        with progress("Simulating") as report:
+            recording = simulate_recording(
+                load_model(model),
+                Plan.load(plan),
+                out,
+                seed=seed,
+                scenes_folder=plan.parent / "scenes",
+                progress=share_of(report),
+            )
+        told = {**summary(recording), "seed": seed}
+        answer.give(told, show(told))

@@ -1,0 +1,25 @@
+"""`darkflat store add`: keep a coefficient set."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from service.cli.answering import Json, answering
+
+
+def add(
+    file: Annotated[Path, typer.Argument(metavar="SET.h5")],
+    by: Annotated[str | None, typer.Option(help="Who; the user's name where not given")] = None,
+    json: Json = None,
+) -> None:
+    """Keep a coefficient set as a draft."""
+    with answering(json) as answer:
+        from calib.radiometric.coefficient_set import CoefficientSet  # noqa: PLC0415
+        from service.cli.opened_store import opened_store, who  # noqa: PLC0415
+        from service.cli.set_record import show_record, told  # noqa: PLC0415
+
+        coefficients = CoefficientSet.load(file)
+        with opened_store() as store:
+            record = store.sets.add(coefficients, by=by or who())
+        answer.give(told(record), show_record(record))

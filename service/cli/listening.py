@@ -1,0 +1,64 @@
+"""One server in one process, until somebody stops it."""
+
+import ipaddress
+import socket
+from typing import Any
+
+import uvicorn
+from fastapi import FastAPI
+
+from calib.errors import InputError
+from service.cli.stopping import StoppedError
+
+_LOG: dict[str, Any] = {
+    "version": 1,
+    "disable_existing_loggers": False,
+    "formatters": {"line": {"format": "%(asctime)s %(levelname)s %(name)s: %(message)s"}},
+    # Standard output belongs to the answer.
+    "handlers": {
+        "error": {
+            "class": "logging.StreamHandler", "formatter": "line", "stream": "ext://sys.stderr",
+        },
+    },
+    "loggers": {"uvicorn": {"handlers": ["error"], "level": "WARNING", "propagate": False}},
+    "root": {"handlers": ["error"], "level": "WARNING"},
+}  # fmt: skip
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """Return a listening socket.
+
+    Raises:
+        InputError: `keys-needed` where others than this machine could reach it, `port-in-use`.
+    """
+    if not is_loopback(host):
+        msg = (
+            f"{host} can be reached from outside, and there are no keys yet that keep others out;"
+            " serve on 127.0.0.1, and reach it through ssh -L"
+        )
+        raise InputError(msg, code="keys-needed")
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family)
+    except OSError as error:
+        msg = f"port {port} on {host} cannot be used ({error.strerror}); give another --port"
+        raise InputError(msg, code="port-in-use") from error
+
+
+def is_loopback(host: str) -> bool:
+    """Tell whether only this machine reaches `host`."""
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def serve_until_stopped(app: FastAPI, listening: socket.socket) -> None:
+    """Serve `app`; a signal ends it after the answers that are under way."""
+    config = uvicorn.Config(app, log_config=_LOG, access_log=False, timeout_graceful_shutdown=5)
+    try:
+        uvicorn.Server(config).run(sockets=[listening])
+    except (StoppedError, KeyboardInterrupt):
+        return  # uvicorn has closed everything and passes the signal on: a good end

@@ -1,0 +1,39 @@
+"""Writing a coefficient set where the caller wants it, and reading one from where he says."""
+
+from pathlib import Path
+
+from calib.errors import InputError
+from calib.radiometric.apply_checks import Validity
+from calib.radiometric.coefficient_set import CoefficientSet
+from calib.recording.durable import refuse_existing
+
+
+def save_set(coefficients: CoefficientSet, out: Path) -> None:
+    """Write the set to `out`; a file that is there already is kept, unless it is the same set."""
+    if out.exists() and _id_of(out) != coefficients.id:
+        refuse_existing(out)
+    coefficients.save(out)
+
+
+def _id_of(path: Path) -> str | None:
+    try:
+        return CoefficientSet.load(path).id
+    except InputError:
+        return None
+
+
+def load_set(named: str) -> tuple[CoefficientSet, Validity | None]:
+    """Return the set in the file `named`, or of that id in the store with its validity."""
+    path = Path(named)
+    if path.exists() or path.suffix or len(path.parts) > 1:
+        return CoefficientSet.load(path), None
+    from service.cli.opened_store import opened_store  # noqa: PLC0415
+
+    with opened_store() as store:
+        record = store.sets.get(named)
+        coefficients = store.sets.files.load(record.id)
+    held = record.certification
+    if held is None or record.state == "revoked":
+        msg = f"coefficient set {record.id[:12]} is {record.state}, not certified; give its file"
+        raise InputError(msg, code="not-certified")
+    return coefficients, Validity(held.valid_from, held.until)

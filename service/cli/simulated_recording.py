@@ -1,0 +1,162 @@
+"""Draws a plan's recording from a forward model, without bench or time."""
+
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.arrays import RawLines
+from calib.errors import InputError
+from calib.forward.model import Model
+from calib.forward.simulate import simulate
+from calib.recording.commit_log import commit_path
+from calib.recording.durable import partial_path, refuse_existing
+from calib.recording.folder import export_folder
+from calib.recording.header import Block, RecordingHeader
+from calib.recording.open import open_recording
+from calib.recording.protocol import Recording
+from calib.recording.scene_images import read_scene
+from calib.recording.writer import RecordingWriter
+from service.plan.expand import blocks as blocks_of
+from service.plan.header import recording_header
+from service.plan.model import Plan
+
+Scenes = Mapping[str, NDArray[np.float64]]
+Progress = Callable[[float], None]
+
+
+def load_model(model: Path) -> Model:
+    """Return the model of a file, or the preset of that name where there is no such file."""
+    is_name = model.name == str(model) and model.suffix != ".toml"
+    return Model.preset(str(model)) if is_name and not model.exists() else Model.load(model)
+
+
+def simulate_recording(
+    model: Model,
+    plan: Plan,
+    out: Path,
+    *,
+    seed: int | None,
+    scenes_folder: Path,
+    progress: Progress | None = None,
+) -> Recording:
+    """Write the recording that `model` gives under `plan`, whole or not at all.
+
+    Args:
+        model: The camera and its light.
+        plan: What is measured; its camera settings go before the model's.
+        out: An .h5 file, or a folder where the name has no ending.
+        seed: Of all randomness; None takes one from the system.
+        scenes_folder: Where the radiance images are that the plan names.
+        progress: Told the share of blocks done.
+
+    Raises:
+        InputError: Model and plan do not fit each other, or `out` is there already.
+    """
+    if out.suffix != ".h5":
+        refuse_existing(out)
+        with tempfile.TemporaryDirectory(prefix="darkflat-") as folder:
+            file = Path(folder) / "recording.h5"
+            simulate_recording(
+                model, plan, file, seed=seed, scenes_folder=scenes_folder, progress=progress
+            )
+            return export_folder(open_recording(file), out)
+    refuse_existing(out, commit_path(out))
+    partial = partial_path(out)
+    remains = (partial, commit_path(partial))
+    try:
+        for each in remains:
+            each.unlink(missing_ok=True)
+        _draw(
+            _as_planned(model, plan),
+            plan,
+            partial,
+            seed=seed,
+            scenes_folder=scenes_folder,
+            progress=progress,
+        )
+        commit_path(partial).rename(commit_path(out))
+        partial.rename(out)
+    finally:
+        for each in remains:
+            each.unlink(missing_ok=True)
+    return open_recording(out)
+
+
+def _as_planned(model: Model, plan: Plan) -> Model:
+    """Return the model with its camera set as the plan wants it."""
+    wanted, camera = plan.camera, model.camera
+    if wanted.bit_depth != camera.bit_depth:
+        msg = (
+            f"the plan's pixel format {wanted.pixel_format} has {wanted.bit_depth} bits, the"
+            f" model's camera {camera.bit_depth}; change camera.pixel_format in the plan"
+        )
+        raise InputError(msg, code="plan-does-not-fit-model")
+    last = wanted.first_column + (wanted.columns or camera.columns - wanted.first_column)
+    if last > camera.columns:
+        msg = f"the plan reads columns up to {last}, the model's camera has {camera.columns}"
+        raise InputError(msg, code="plan-does-not-fit-model")
+    settings = {
+        "line_period_us": wanted.line_period_us,
+        "gain_db": wanted.gain_db,
+        "black_level_dn": wanted.black_level_dn,
+    }
+    return replace(model, camera=camera.model_copy(update=settings))
+
+
+def _draw(
+    model: Model,
+    plan: Plan,
+    out: Path,
+    *,
+    seed: int | None,
+    scenes_folder: Path,
+    progress: Progress | None,
+) -> None:
+    blocks = blocks_of(plan)
+    first = plan.camera.first_column
+    last = first + (plan.camera.columns or model.camera.columns - first)
+    scenes = _scenes(blocks, scenes_folder, model.camera.columns)
+    drawn = simulate(
+        model,
+        blocks,
+        np.random.default_rng(seed),
+        frame_lines=plan.lines_per_frame,
+        scenes=scenes,
+        settle_s=plan.lamps.ramp_s + plan.settle.stable_for_s,
+    )
+    header = _header(model, plan, last - first)
+    with RecordingWriter.create(
+        out, header, plan.lines_per_frame, plan=plan.dumps(), scenes=scenes
+    ) as writer:
+        for done, (block, frames) in enumerate(drawn, start=1):
+            writer.begin_block(block)
+            for dn in frames:
+                writer.append(cast("RawLines", np.ascontiguousarray(dn[:, first:last])))
+            writer.end_block(block)
+            if progress is not None:
+                progress(done / len(blocks))
+
+
+def _header(model: Model, plan: Plan, columns: int) -> RecordingHeader:
+    """Return the plan's header; what it leaves open is the model's."""
+    planned = recording_header(plan, columns=columns)
+    known = model.camera.model_dump(exclude_none=True)
+    stated = planned.camera.model_dump(exclude_defaults=True)
+    camera = planned.camera.model_validate(
+        {"started_at": datetime.now(UTC).replace(microsecond=0), **known, **stated}
+    )
+    source = planned.source
+    if "radiance_unit" not in plan.source.model_fields_set:
+        source = source.model_copy(update={"radiance_unit": model.source.radiance_unit})
+    return planned.model_copy(update={"camera": camera, "source": source})
+
+
+def _scenes(blocks: tuple[Block, ...], folder: Path, columns: int) -> Scenes:
+    names = dict.fromkeys(block.scene for block in blocks if block.scene is not None)
+    return {name: read_scene(folder, name, columns) for name in names}
