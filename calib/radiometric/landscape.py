@@ -13,6 +13,10 @@ from numpy.typing import NDArray
 
 from calib.errors import InputError
 
+_ROWS_IN_SIGHT, _ROWS, _FIELDS = 2.0, 16, 5
+"""Rows of fields are numbered from the first at the lower edge to the second at the horizon;
+each has so many fields."""
+
 RadianceImage = NDArray[np.float64]
 """(n_lines, n_columns)."""
 
@@ -47,8 +51,8 @@ class Landscape:
 
     def image(self, n_lines: int, n_columns: int, rng: Generator) -> RadianceImage:
         """Return the radiance; the same generator state gives the same landscape."""
-        ground = self._ground(n_lines, n_columns, rng)
         horizon, treetops = self._outlines(n_lines, n_columns, rng)
+        ground = self._ground(horizon, n_columns, rng)
         column = np.arange(n_columns)[None, :]
         woods = self.woods * (1 + self.contrast * _texture((n_lines, n_columns), 3, rng))
         image = np.where(column < treetops[:, None], np.maximum(woods, 0.0), self.sky)
@@ -71,18 +75,20 @@ class Landscape:
         treetops = np.where(rise > 0, horizon + height * np.sqrt(rise), 0.0)
         return horizon * n_columns, treetops * n_columns
 
-    def _ground(self, n_lines: int, n_columns: int, rng: Generator) -> RadianceImage:
+    def _ground(
+        self, horizon: NDArray[np.float64], n_columns: int, rng: Generator
+    ) -> RadianceImage:
         """Return fields of different brightness, which shrink towards the horizon, with texture."""
-        depth = np.linspace(1.0, 0.0, n_columns) ** 2
-        strips = np.floor(9 * depth).astype(int)
-        brightness = np.empty((n_lines, n_columns))
-        for strip in np.unique(strips):
-            edges = np.sort(rng.uniform(0, n_lines, 4))
-            of_field = 1 + self.contrast * rng.normal(size=5)
-            line = of_field[np.searchsorted(edges, np.arange(n_lines))]
-            brightness[:, strips == strip] = line[:, None]
+        n_lines = len(horizon)
+        height = np.arange(n_columns)[None, :] / np.maximum(horizon, 1.0)[:, None]
+        below = np.clip(1.0 - height, 0.0, 1.0)
+        row = np.floor(_ROWS_IN_SIGHT / np.maximum(below, _ROWS_IN_SIGHT / _ROWS)).astype(np.intp)
+        along = np.arange(n_lines)[:, None] / n_lines
+        field = np.floor(_FIELDS * (along + rng.uniform(size=_ROWS + 1)[row])).astype(np.intp)
+        of_field = 1 + self.contrast * rng.normal(size=(_ROWS + 1, 2 * _FIELDS + 1))
         texture = _texture((n_lines, n_columns), 9, rng)
-        return self.field * np.maximum(brightness * (1 + 0.3 * self.contrast * texture), 0.05)
+        brightness = of_field[row, field] * (1 + 0.3 * self.contrast * texture)
+        return self.field * np.maximum(brightness, 0.05)
 
 
 def _smooth(values: NDArray[np.float64], length: int) -> NDArray[np.float64]:
