@@ -6,7 +6,7 @@ from types import TracebackType
 from typing import Self
 
 from drivers.mock.world import World
-from drivers.ports import LightSource, LightState, LinescanCamera, Monitor, Shutter
+from drivers.ports import LightSource, LightState, LinescanCamera, Monitor, Shutter, never
 from service.bench.all_off import all_off
 from service.bench.shielded import shielded
 
@@ -48,6 +48,16 @@ class Bench:
         self._resources = ExitStack()
         self._afterwards = ExitStack()
         self._is_open = True
+        self._asked_to_end: Callable[[], bool] = never
+
+    @property
+    def is_ending(self) -> bool:
+        """True once a signal asked this process to end."""
+        return self._asked_to_end()
+
+    def end_when(self, asked_to_end: Callable[[], bool]) -> None:
+        """Let `asked_to_end` say when work on this bench is to stop."""
+        self._asked_to_end = asked_to_end
 
     def keep(self, resources: ExitStack) -> None:
         """Release `resources` on closing, after the lamps are off."""

@@ -5,19 +5,28 @@ import signal
 import threading
 from collections.abc import Callable
 from types import FrameType
-from typing import Any, NoReturn
+from typing import Any
 
-_ENDING = (signal.SIGTERM, signal.SIGHUP)
+_DEFAULTS = {
+    signal.SIGTERM: signal.SIG_DFL,
+    signal.SIGHUP: signal.SIG_DFL,
+    signal.SIGINT: signal.default_int_handler,
+}
 
 
 class Endings:
-    """While installed, SIGTERM and SIGHUP unwind the stack, and atexit closes what is left open.
+    """While installed, signals that end the process unwind its stack, and atexit closes the rest.
 
-    SIGINT unwinds it anyway. A handler that somebody else installed (a web server) stays, and so
-    does everything where this is not the main thread: there atexit alone remains.
+    A handler that somebody else installed (a web server) stays, and so does everything where this
+    is not the main thread: there atexit alone remains.
+
+    Attributes:
+        is_ending: True once a signal came. An exception that is raised while a library calls back
+            can get lost there; whoever works for long therefore asks this as well.
     """
 
     def __init__(self, close: Callable[[], None]) -> None:
+        self.is_ending = False
         self._close = close
         self._before: dict[signal.Signals, Any] = {}
 
@@ -26,9 +35,9 @@ class Endings:
         atexit.register(self._close)
         if threading.current_thread() is not threading.main_thread():
             return
-        for number in _ENDING:
-            if signal.getsignal(number) is signal.SIG_DFL:
-                self._before[number] = signal.signal(number, _unwind)
+        for number, default in _DEFAULTS.items():
+            if signal.getsignal(number) is default:
+                self._before[number] = signal.signal(number, self._unwind)
 
     def remove(self) -> None:
         """Give back what was taken over."""
@@ -38,7 +47,9 @@ class Endings:
                 signal.signal(number, handler)
             self._before.clear()
 
-
-def _unwind(number: int, _frame: FrameType | None) -> NoReturn:
-    """End the process the way that runs every `finally`; the shell's own status for a signal."""
-    raise SystemExit(128 + number)
+    def _unwind(self, number: int, _frame: FrameType | None) -> None:
+        """End the process the way that runs every `finally`; the shell's status for a signal."""
+        self.is_ending = True
+        if number == signal.SIGINT:
+            raise KeyboardInterrupt
+        raise SystemExit(128 + number)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from drivers.errors import DeviceError
 from drivers.mock.world import World
+from service.bench.own_interrupts import interrupts_kept_from_children
 from service.bench.settings import BenchSettings, Simulation
 
 if TYPE_CHECKING:  # it compiles kernels, which a bench of hardware does not need
@@ -57,9 +58,12 @@ def start_simulated(settings: BenchSettings, resources: ExitStack) -> Simulated 
     n_lamps = 0 if has_led else simulation.lamps
     world = _world(simulation, n_lamps + has_led, resources)
     ports: dict[str, str] = {}
-    if settings.needs_emulators:
-        ports = _start_emulators(simulation, world, n_lamps, resources, led=has_led)
-    address = _start_camera(simulation, world, resources) if settings.needs_simulated_camera else ""
+    address = ""
+    with interrupts_kept_from_children():
+        if settings.needs_emulators:
+            ports = _start_emulators(simulation, world, n_lamps, resources, led=has_led)
+        if settings.needs_simulated_camera:
+            address = _start_camera(simulation, world, resources)
     return Simulated(simulation, world, ports, address)
 
 

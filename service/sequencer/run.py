@@ -70,7 +70,7 @@ def run_plan(
                 steps,
                 writer,
                 clock=time,
-                cancelled=cancelled,
+                cancelled=lambda: bench.is_ending or cancelled(),
                 on_progress=teller.tell,
                 on_columns=on_columns,
             )

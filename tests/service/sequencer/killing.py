@@ -5,6 +5,7 @@ import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from calib.recording.commit_log import commit_path
 
@@ -18,12 +19,13 @@ class Sweep:
     bench: Path
     plan: Path
     out: Path
+    deadline_s: float = 60.0
 
-    def start(self) -> subprocess.Popen[bytes]:
+    def start(self, **options: Any) -> subprocess.Popen[bytes]:
         """Begin or resume it in a process of its own."""
         command = [sys.executable, "-m", "tests.service.sequencer.sweeping"]
         files = [str(path) for path in (self.bench, self.plan, self.out)]
-        return subprocess.Popen([*command, *files], cwd=ROOT)
+        return subprocess.Popen([*command, *files], cwd=ROOT, **options)
 
     def acknowledged(self) -> list[bytes]:
         """Return the whole lines of the commit record so far."""
@@ -35,19 +37,22 @@ class Sweep:
         """Return how many frames are acknowledged."""
         return sum(b'"kind":"frame"' in line for line in self.acknowledged())
 
-    def kill_after(self, n_frames: int, delay_s: float, deadline_s: float = 60.0) -> list[bytes]:
+    def kill_after(self, n_frames: int, delay_s: float) -> list[bytes]:
         """Kill the process `delay_s` after `n_frames` more were acknowledged; return the record."""
         until = self.frames() + n_frames
         process = self.start()
-        give_up_s = time.monotonic() + deadline_s
-        while self.frames() < until and process.poll() is None:
-            assert time.monotonic() < give_up_s, "the sweep does not get on"
-            time.sleep(0.002)
-        time.sleep(delay_s)
-        process.kill()
-        process.wait()
+        give_up_s = time.monotonic() + self.deadline_s
+        try:
+            while self.frames() < until and process.poll() is None:
+                assert time.monotonic() < give_up_s, "the sweep does not get on"
+                time.sleep(0.005)
+            assert process.poll() in {None, 0}, "the sweep failed before it was killed"
+            time.sleep(delay_s)
+        finally:
+            process.kill()
+            process.wait()
         return self.acknowledged()
 
-    def finish(self, deadline_s: float = 60.0) -> None:
+    def finish(self) -> None:
         """Let it come to its end."""
-        assert self.start().wait(deadline_s) == 0
+        assert self.start().wait(self.deadline_s) == 0

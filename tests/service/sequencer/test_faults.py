@@ -1,6 +1,8 @@
 """Whatever goes wrong: lamps off, one clear sentence, and a recording that can be gone on with."""
 
+import contextlib
 import resource
+import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -203,4 +205,14 @@ def test_ctrl_c_ends_dark_and_is_passed_on(bench, out):
     with pytest.raises(KeyboardInterrupt):
         run_plan(bench, short_plan(), out, on_progress=listen)
     assert states[-1] == "interrupted"
+    assert_dark(bench.world)
+
+
+def test_a_signal_whose_exception_gets_lost_in_a_library_ends_the_run_all_the_same(bench, out):
+    def lose_it():
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+
+    result = run_plan(bench, short_plan(), out, on_progress=at_frame(6, lose_it))
+    assert result.state == "cancelled"
     assert_dark(bench.world)
