@@ -4,10 +4,14 @@ import sys
 
 from rich.console import Console
 
+_WIDTH_OF_A_PIPE = 200
+"""Nothing is folded for a reader that has no width."""
+
 
 def output() -> Console:
     """Return the console of answers."""
-    return Console(file=sys.stdout, highlight=False, soft_wrap=True)
+    width = None if sys.stdout.isatty() else _WIDTH_OF_A_PIPE
+    return Console(file=sys.stdout, highlight=False, soft_wrap=True, width=width)
 
 
 def notes() -> Console:

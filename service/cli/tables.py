@@ -21,13 +21,10 @@ def with_std(value: float | None, std: float | None) -> str:
 
 
 def facts(console: Console, rows: Mapping[str, str]) -> None:
-    """Print names and values in two columns."""
-    grid = Table.grid(padding=(0, 2))
-    grid.add_column(style="bold", no_wrap=True)
-    grid.add_column(overflow="fold")
+    """Print names and values in two columns; values are never cut."""
+    width = max(len(name) for name in rows)
     for name, value in rows.items():
-        grid.add_row(name, Text(value))
-    console.print(grid)
+        console.print(Text.assemble((name.ljust(width), "bold"), "  ", value))
 
 
 def table(console: Console, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
