@@ -33,8 +33,8 @@ class CommonMode:
         freedom: Degrees of freedom from which η comes.
         mean_slope: s̄, DN per µs of reference light.
         by_source: Covariance of (DN0, s, r of all groups in use but the reference), DN, DN/µs, 1,
-            from the source's unrest, which scales with the column's slope; the columns' own
-            noise, averaged over them, is included in r.
+            from the source's unrest, which scales with the column's slope, and from the columns'
+            own noise, averaged over them: what it does to the levels comes back to all columns.
         by_offset: The same from the common offset, which is one for all columns.
         groups: The group of each r in `covariance`.
     """
@@ -84,19 +84,16 @@ def common_mode(
     residual = _mean_residual(fit, slope)[used]
     freedom = len(used) - design.shape[1]
     signal = slope * fit.x_us[used]
-    unrest2 = _unrest(residual, signal, design @ estimator, offset_noise_dn, freedom)
+    own = _own_variance(fit, slope)[used]
+    unrest2 = _unrest(residual, signal, design @ estimator, offset_noise_dn**2 + own, freedom)
     few = freedom / (freedom - 2.0) if freedom > 2 else 1.0
-    by_source = few * np.nan_to_num(unrest2) * (estimator * signal**2) @ estimator.T
-    for k, g in enumerate(others):
-        rows = group == g
-        expected = np.outer(exposure_us[rows], np.nan_to_num(fit.slope))
-        by_source[2 + k, 2 + k] += 1.0 / float((fit.weights[rows] * expected**2).sum())
+    error = few * np.nan_to_num(unrest2) * signal**2 + own
     return CommonMode(
         source_unrest=float(np.sqrt(unrest2)),
         offset_noise_dn=offset_noise_dn,
         freedom=freedom,
         mean_slope=slope,
-        by_source=by_source,
+        by_source=(estimator * error) @ estimator.T,
         by_offset=offset_noise_dn**2 * estimator @ estimator.T,
         groups=others,
     )
@@ -110,21 +107,28 @@ def _mean_residual(fit: JointFit, mean_slope: float) -> Columns:
     return np.where(below > 0, above / np.where(below > 0, below, 1.0), 0.0)
 
 
+def _own_variance(fit: JointFit, mean_slope: float) -> Columns:
+    """Return what the columns' own noise leaves in `_mean_residual`, DN², (n_blocks,)."""
+    share = np.where(fit.weights > 0, fit.slope / mean_slope, 0.0)
+    below = np.nansum(fit.weights * share**2, axis=1)
+    return np.where(below > 0, 1.0 / np.where(below > 0, below, 1.0), 0.0)
+
+
 def _unrest(
-    residual: Columns,
-    signal: Columns,
-    hat: NDArray[np.float64],
-    offset_noise_dn: float,
-    freedom: int,
+    residual: Columns, signal: Columns, hat: NDArray[np.float64], other: Columns, freedom: int
 ) -> float:
-    """Return η²: the residuals' relative sum of squares over its expectation for η = 1."""
+    """Return η²: the residuals' relative sum of squares over its expectation for η = 1.
+
+    What the common offset and the columns' own noise (`other`, variances in DN²) bring into the
+    sum is taken off first.
+    """
     if freedom < 1:
         return float("nan")
     scale = 1.0 / np.maximum(signal, 1e-3 * signal.max()) ** 2
-    left = np.eye(len(residual)) - hat
-    expected = float(scale @ (left**2 @ signal**2))
-    by_offset = offset_noise_dn**2 * float(scale @ (left**2).sum(axis=1))
-    return max(float(scale @ residual**2) - by_offset, 0.0) / max(expected, 1e-30)
+    left = (np.eye(len(residual)) - hat) ** 2
+    expected = float(scale @ left @ signal**2)
+    by_other = float(scale @ left @ other)
+    return max(float(scale @ residual**2) - by_other, 0.0) / max(expected, 1e-30)
 
 
 def own_misfit(fit: JointFit, shared: CommonMode) -> float:

@@ -131,12 +131,21 @@ def compare_darks(
     current: DarkCurrent,
     *,
     offset_dn: Columns,
-    offset_variance: Columns,
     shared_offset_variance: float,
     block_noise_dn: float,
     valid: NDArray[np.bool_],
 ) -> DarkComparison | None:
-    """Compare capped darks with intercepts; None without darks or without columns to compare."""
+    """Compare capped darks with intercepts; None without darks.
+
+    Args:
+        darks: The capped darks.
+        noise: The photon-transfer line.
+        current: The dark current.
+        offset_dn: Intercepts, (n_columns,).
+        shared_offset_variance: Of the intercepts' mean over columns, DN².
+        block_noise_dn: From `dark_block_noise_dn`.
+        valid: Which columns can be used.
+    """
     if not len(darks):
         return None
     mean, variance, clear = _unclipped(darks, noise)
@@ -148,7 +157,7 @@ def compare_darks(
     level = (mean - np.outer(darks.exposure_us, current.dn_per_us))[:, use].mean(axis=0)
     noise_of_mean = variance[:, use].sum(axis=0) / len(darks) ** 2
     drift = current.std[use] * darks.exposure_us.mean()
-    own = float((noise_of_mean + offset_variance[use] + drift**2).sum()) / int(use.sum()) ** 2
+    own = float((noise_of_mean + drift**2).sum()) / int(use.sum()) ** 2
     shared = shared_offset_variance + block_noise_dn**2 / len(darks)
     return DarkComparison(
         capped,

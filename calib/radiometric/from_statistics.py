@@ -129,7 +129,6 @@ def _compare(
         estimate.noise,
         estimate.current,
         offset_dn=coefficients.dark_offset_dn,
-        offset_variance=parts.variances.offset,
         shared_offset_variance=float(shared.offset_variance(mean_slope)[0]),
         block_noise_dn=estimate.dark_block_noise_dn,
         valid=coefficients.valid,
