@@ -1,11 +1,11 @@
 """AgCam's calibration again, from the presets: its Figures 3 to 7, drawn into a folder.
 
-    python examples/agcam.py [FOLDER]
+    python examples/agcam.py [--out docs/gallery]
 
 It prints, as a Markdown table, what docs/agcam.md compares with the paper.
 """
 
-import sys
+import argparse
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -44,7 +44,9 @@ BANDS = (Band("agcam-nir", 200.0), Band("agcam-red", 300.0))
 
 def main() -> None:
     """Simulate, calibrate, draw and print both bands."""
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else HERE.parent / "docs" / "gallery"
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=Path("docs/gallery"))
+    folder = parser.parse_args().out
     folder.mkdir(parents=True, exist_ok=True)
     plan = Plan.load(HERE / "plans" / "agcam.toml")
     with TemporaryDirectory() as scratch:
