@@ -10,13 +10,16 @@ from service.plan.model import Plan
 _LINES = 1024
 _FRAME_LINES = 128
 _REFERENCE_LEVEL = 4
-_LEVELS = (2, 4, 6)
+_LEVELS = (1, 2, 4)
 _EXPOSURES_US = (10.0, 30.0, 60.0, 90.0)
 _REFERENCE_US = 60.0
 
 
-def demo_plan(model: Model) -> Plan:
-    """Return the plan for `model`'s camera; the certificate's radiances are the model's own."""
+def demo_plan(model: Model, *, lamps: int) -> Plan:
+    """Return the plan for `model`'s camera; the certificate's radiances are the model's own.
+
+    `lamps` is how many the bench has, at least as many as the highest level.
+    """
     camera = model.camera
     blocks: list[dict[str, Any]] = []
     for i, level in enumerate(_LEVELS):
@@ -39,7 +42,7 @@ def demo_plan(model: Model) -> Plan:
             },
             "source": {
                 "kind": "sphere",
-                "lamps": model.source.lamps,
+                "lamps": lamps,
                 "radiance_unit": model.source.radiance_unit,
                 "radiance": _certificate(model),
             },

@@ -22,7 +22,7 @@ from calib.recording.protocol import Recording
 from service.bench import BenchSettings, open_bench
 from service.cli.demo_plan import demo_plan
 from service.cli.reporting import write_calibration_report
-from service.cli.simulated_bench import MODEL, ChosenBench
+from service.cli.simulated_bench import LAMPS, MODEL, ChosenBench
 from service.cli.stopping import polled, stop_wanted
 from service.plan.model import Plan
 from service.sequencer.events import RunResult
@@ -57,7 +57,7 @@ def demonstrate(bench: ChosenBench, out: Path, report: Report) -> Demonstration:
     """Do it all into the folder `out`; `report` is told the share that is done."""
     began = time.monotonic()
     _make_room(out)
-    plan = demo_plan(Model.preset(MODEL))
+    plan = demo_plan(Model.preset(MODEL), lamps=LAMPS)
     (out / "plan.toml").write_text(plan.dumps(), encoding="utf-8")
     result = _sweep(bench.settings, plan, out / "recording.h5", report)
     recording = open_recording(result.path)
