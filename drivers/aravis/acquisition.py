@@ -55,12 +55,8 @@ class Acquisition:
         return arrived
 
     def loss_hint(self) -> str:
-        """Say what was lost on the way."""
-        report = self._stream.report()
-        return (
-            f"{report.missing_packets} packets missing after {report.resend_requests} resend "
-            f"requests, {report.underruns} underruns"
-        )
+        """Say what was lost on the way, and what may be done about it."""
+        return self._stream.loss_hint()
 
     def stop(self) -> StreamReport:
         """Stop the camera where it can still hear it, close the stream; return what it counted."""

@@ -8,11 +8,15 @@ from drivers.aravis.gi_aravis import aravis, new_buffer
 from drivers.aravis.gi_errors import speaking
 from drivers.aravis.gi_types import GiBuffer, GiCamera, GiStream
 from drivers.aravis.native import received_bytes
+from drivers.aravis.receive_buffer import limit_bytes, widen
 from drivers.aravis.stream_report import StreamReport
-from drivers.aravis.unpack import ByteOrder, unpacked
+from drivers.aravis.unpack import ByteOrder, unpacked, warm_up
 from drivers.errors import DeviceError
 from drivers.pixel_formats import BY_PFNC, FORMATS
 from drivers.ports import CameraSettings, LostFrame
+
+SOCKET_BUFFER_BYTES = 1 << 26
+"""Only where the process may not open packet sockets, which have buffers of their own."""
 
 
 @dataclass(frozen=True)
@@ -20,8 +24,8 @@ class StreamOptions:
     """How to receive.
 
     Attributes:
-        packet_size: GigE Vision, bytes; None leaves the camera's, which Aravis lowers where the
-            link does not carry it.
+        packet_size: GigE Vision, bytes; None takes the largest that the link carries, found by
+            test packets, where the camera can send them, else the camera's own.
         n_buffers: Frames that may wait for the consumer.
         byte_order: Of two-byte pixels.
     """
@@ -44,10 +48,11 @@ class FrameStream:
         self._ids = FrameIds()
         self._underruns = 0
         self._damage_without_id = ""
-        payload = self._checked_payload()
+        self._payload = self._checked_payload()
+        warm_up(FORMATS[settings.pixel_format])
         self._stream = self._created()
         for _ in range(options.n_buffers):
-            self._stream.push_buffer(new_buffer(payload))
+            self._stream.push_buffer(new_buffer(self._payload))
 
     def pop(self, timeout_s: float) -> tuple[ArrivedFrame | LostFrame, ...]:
         """Return the next frame, after those that were skipped before it.
@@ -67,6 +72,17 @@ class FrameStream:
     def report(self) -> StreamReport:
         """Return what was counted since the stream was opened."""
         return StreamReport.read(self._stream)
+
+    def loss_hint(self) -> str:
+        """Say what was lost on the way, and what may be done about it."""
+        report, limit = self.report(), limit_bytes()
+        counted = (
+            f"{report.missing_packets} packets missing after {report.resend_requests} resend "
+            f"requests, {report.underruns} without a free buffer"
+        )
+        if report.missing_packets and limit is not None and limit < self._payload:
+            return f"{counted}; a frame is larger than the kernel's net.core.rmem_max of {limit}"
+        return counted
 
     def close(self) -> StreamReport:
         """Stop receiving, give the buffers back; return what was counted."""
@@ -93,17 +109,29 @@ class FrameStream:
         module = aravis()
         gige = self._camera.is_gv_device()
         with speaking(self._device, "open its stream"):
-            if gige and self._options.packet_size is not None:
-                self._camera.gv_set_packet_size_adjustment(module.GvPacketSizeAdjustment.NEVER)
-                self._camera.gv_set_packet_size(self._options.packet_size)
+            if gige:
+                self._set_packet_size()
             stream = self._camera.create_stream(None, None)
         if stream is None:
             raise DeviceError(
                 f"{self._device}: cannot open its stream", device=self._device, code="no-stream"
             )
         if gige:
-            stream.set_property("socket-buffer", module.GvStreamSocketBuffer.AUTO)
+            # AUTO takes the size of a frame, which is too small: the kernel counts the memory of
+            # a packet, up to twice its bytes. It lowers what is asked for to net.core.rmem_max.
+            stream.set_property("socket-buffer", module.GvStreamSocketBuffer.FIXED)
+            stream.set_property("socket-buffer-size", SOCKET_BUFFER_BYTES)
+            widen(stream.get_port(), SOCKET_BUFFER_BYTES)
         return stream
+
+    def _set_packet_size(self) -> None:
+        """Before the stream is created: Aravis lays it out for that size."""
+        adjustment = aravis().GvPacketSizeAdjustment
+        if self._options.packet_size is None:
+            self._camera.gv_set_packet_size_adjustment(adjustment.ALWAYS)
+        else:
+            self._camera.gv_set_packet_size_adjustment(adjustment.NEVER)
+            self._camera.gv_set_packet_size(self._options.packet_size)
 
     def _judged(self, buffer: GiBuffer) -> tuple[ArrivedFrame | LostFrame, ...]:
         frame_id = buffer.get_frame_id()

@@ -30,7 +30,7 @@ class StreamReport:
 
     @property
     def underruns(self) -> int:
-        """Frames lost because no buffer was free: the consumer was too slow, not the link."""
+        """Packets that found no buffer free: the consumer was too slow, not the link."""
         return self._count("n_underruns")
 
     @property

@@ -52,3 +52,8 @@ def unpacked(
     unpack = unpack_mono12packed if code.name == "Mono12Packed" else unpack_mono12p
     unpack(image, pixels)
     return pixels.reshape(n_lines, n_columns)
+
+
+def warm_up(code: FormatCode) -> None:
+    """Compile what `code` is unpacked with: with frames coming in there is no time for it."""
+    unpacked(np.zeros(code.n_bytes(2), np.uint8), code, 1, 2)

@@ -227,6 +227,24 @@ def test_a_slow_consumer_loses_frames_as_underruns_not_as_packets(
         assert camera.stream_report.missing_packets == 0
 
 
+def test_packet_size_is_left_to_the_link_where_none_is_given(
+    camera: AravisCamera, wanted: CameraSettings
+) -> None:
+    camera.configure(wanted)
+    camera._held().default_packet_size = None
+    assert len(whole(camera.frames(3))) == 3
+
+
+@pytest.mark.parametrize("packet_size", [1400, 8192, 60000])
+def test_packet_size_that_is_given_is_used(
+    process: SimulatedCameraProcess, wanted: CameraSettings, packet_size: int
+) -> None:
+    with opened(process.address, packet_size=packet_size) as camera:
+        camera.configure(wanted)
+        assert len(whole(camera.frames(2))) == 2
+        assert camera.features()["GevSCPSPacketSize"] == str(packet_size)
+
+
 def test_what_a_dead_client_left_behind_is_taken_back(
     process: SimulatedCameraProcess, wanted: CameraSettings
 ) -> None:
