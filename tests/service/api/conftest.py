@@ -1,0 +1,37 @@
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from service.app import create_app
+from service.settings import Settings
+from service.store.store import Store
+from tests.service.cli.a_recording import plan_file, recording_file
+
+with warnings.catch_warnings():
+    # Starlette wants httpx2 for its client; httpx does as well, and is what our users have.
+    warnings.simplefilter("ignore")
+    from fastapi.testclient import TestClient
+
+__all__ = ["plan_file", "recording_file"]
+
+
+@pytest.fixture
+def settings(tmp_path: Path) -> Settings:
+    return Settings(home=tmp_path / "home", max_upload_bytes=8 << 20, max_frames_bytes=1 << 20)
+
+
+@pytest.fixture
+def client(settings: Settings) -> Iterator[TestClient]:
+    with TestClient(
+        create_app(settings), base_url="http://127.0.0.1", raise_server_exceptions=False
+    ) as started:
+        yield started
+
+
+@pytest.fixture
+def store(client: TestClient, settings: Settings) -> Iterator[Store]:
+    """The same store by another way in."""
+    with Store.open(settings) as opened:
+        yield opened

@@ -1,0 +1,142 @@
+"""A calibration as a job: from an uploaded recording to a draft."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+
+from calib.errors import DarkflatError
+from calib.forward.model import Model
+from calib.radiometric.calibrate import calibrate
+from calib.recording.open import open_recording
+from service.api.jobs.process import Done, JobProcess
+from service.app import create_app
+from service.cli.simulated_recording import simulate_recording
+from service.plan.model import Plan
+from service.settings import Settings
+from service.store.store import Store
+from tests.service.api.packing import as_files
+from tests.service.cli.a_recording import PLAN
+
+PLACE = "/v1/calibrations"
+ZIP = {"Content-Type": "application/zip"}
+
+
+@pytest.fixture
+def digest(client: TestClient, recording_file: Path) -> str:
+    answer = client.post(
+        "/v1/recordings",
+        content=as_files(recording_file),
+        headers=ZIP,
+    )
+    return str(answer.json()["digest"])
+
+
+def ended(client: TestClient, place: str) -> dict[str, Any]:
+    until = time.monotonic() + 60
+    while True:
+        job: dict[str, Any] = client.get(place).json()
+        if job["state"] not in {"queued", "running"}:
+            return job
+        assert time.monotonic() < until
+        time.sleep(0.05)
+
+
+def test_a_recording_becomes_a_draft(client: TestClient, digest: str, settings: Settings) -> None:
+    started = client.post(PLACE, json={"recording": digest, "by": "ada"})
+    assert started.status_code == 202
+    job = ended(client, started.headers["Location"])
+    assert job["state"] == "succeeded", job["error"]
+    assert job["result"]["columns"] == 256
+    found = client.get(f"/v1/coefficient-sets/{job['result']['coefficient_set']}").json()
+    assert (found["state"], found["recording_digest"]) == ("draft", digest)
+    assert found["transitions"][0]["by"] == "ada"
+    assert "path" not in str(job["request"])
+    assert list(settings.work_folder.iterdir()) == []
+
+
+def test_what_cannot_be_calibrated_fails_with_the_sentence_of_the_calibration(
+    client: TestClient, tmp_path: Path
+) -> None:
+    plan = Plan.loads(PLAN.replace("10.0, 40.0, 90.0", "40.0"))
+    one_exposure = tmp_path / "one.h5"
+    simulate_recording(Model.preset("demo"), plan, one_exposure, seed=1, scenes_folder=tmp_path)
+    with pytest.raises(DarkflatError) as refused:
+        calibrate(open_recording(one_exposure))
+    answer = client.post("/v1/recordings", content=as_files(one_exposure), headers=ZIP)
+    started = client.post(PLACE, json={"recording": answer.json()["digest"]})
+    job = ended(client, started.headers["Location"])
+    assert job["state"] == "failed"
+    assert job["error"]["code"] == refused.value.code
+    assert client.get("/v1/coefficient-sets").json()["items"] == []
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"radiances": {"2": -1.0}}, {"order": 99}, {"ordre": 4}, {"recording": 5}]
+)
+def test_a_request_with_a_mistake_starts_no_job(
+    client: TestClient, digest: str, wrong: dict[str, Any]
+) -> None:
+    answer = client.post(PLACE, json={"recording": digest, **wrong})
+    assert (answer.status_code, answer.json()["code"]) == (422, "invalid-request")
+    assert client.get("/v1/jobs").json()["items"] == []
+
+
+def test_an_unknown_recording_is_not_found(client: TestClient) -> None:
+    answer = client.post(PLACE, json={"recording": "0" * 64})
+    assert (answer.status_code, answer.json()["code"]) == (404, "not-found")
+
+
+def test_a_recording_that_was_lost_fails_the_job(
+    client: TestClient, digest: str, settings: Settings
+) -> None:
+    (settings.recordings_folder / digest / "recording.h5").unlink()
+    started = client.post(PLACE, json={"recording": digest})
+    job = ended(client, started.headers["Location"])
+    assert job["state"] == "failed"
+    assert job["error"]["code"] not in {"internal-error", "worker-died"}
+    assert client.get("/v1/coefficient-sets").json()["items"] == []
+
+
+def test_a_job_is_cancelled_for_good_whether_it_waits_or_runs(
+    client: TestClient, digest: str
+) -> None:
+    jobs = [client.post(PLACE, json={"recording": digest}) for _ in range(3)]
+    places = [job.headers["Location"] for job in jobs]
+    for place in places:
+        assert client.post(f"{place}/cancel").json()["state"] == "cancelled"
+    time.sleep(0.5)
+    assert [client.get(place).json()["state"] for place in places] == ["cancelled"] * 3
+    assert client.get("/v1/coefficient-sets").json()["items"] == []
+    assert len(client.get("/v1/jobs").json()["items"]) == 3
+    last = client.post(PLACE, json={"recording": digest})  # the queue goes on
+    assert ended(client, last.headers["Location"])["state"] == "succeeded"
+
+
+def test_a_full_queue_says_so(settings: Settings, recording_file: Path) -> None:
+    small = settings.model_copy(update={"max_queued_jobs": 1})
+    with TestClient(create_app(small), base_url="http://127.0.0.1") as client:
+        body = as_files(recording_file)
+        digest = client.post("/v1/recordings", content=body, headers=ZIP).json()["digest"]
+        assert client.post(PLACE, json={"recording": digest}).status_code == 202
+        full = client.post(PLACE, json={"recording": digest})
+        assert (full.status_code, full.json()["code"]) == (429, "too-many-jobs")
+
+
+def test_what_the_service_left_behind_is_interrupted_at_the_next_start(settings: Settings) -> None:
+    with Store.open(settings) as store:
+        job = store.jobs.submit("calibrate", {}, max_waiting=9)
+        store.jobs.start(job.id)
+    with TestClient(create_app(settings), base_url="http://127.0.0.1") as client:
+        assert client.get(f"/v1/jobs/{job.id}").json()["state"] == "interrupted"
+
+
+def test_a_worker_that_dies_is_no_silence(tmp_path: Path) -> None:
+    process = JobProcess("calibrate", {"radiances": None, "recording_path": str(tmp_path)})
+    process.kill()
+    done = process.wait(lambda _: None)
+    assert isinstance(done, Done)
+    assert done.error is not None
+    assert done.error[0] == "worker-died"

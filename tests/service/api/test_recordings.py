@@ -1,0 +1,114 @@
+"""Recordings come in by upload, whatever else somebody packed."""
+
+import io
+import stat
+import zipfile
+from pathlib import Path
+
+import h5py
+import pytest
+from fastapi.testclient import TestClient
+from httpx import Response
+
+from calib.recording.commit_log import commit_path
+from calib.recording.open import open_recording
+from service.settings import Settings
+from tests.service.api.packing import as_files, as_folder, packed
+
+ZIP = {"Content-Type": "application/zip"}
+
+
+def upload(client: TestClient, body: bytes, **parameters: str) -> Response:
+    answer: Response = client.post("/v1/recordings", content=body, headers=ZIP, params=parameters)
+    return answer
+
+
+def test_a_recording_comes_in_as_file_or_folder_and_is_the_same(
+    client: TestClient, recording_file: Path, tmp_path: Path, settings: Settings
+) -> None:
+    digest = open_recording(recording_file).digest()
+    first = upload(client, as_files(recording_file), name="sweep 3", by="ada")
+    second = upload(client, as_folder(recording_file, tmp_path, inside="sweep3/"))
+    assert (first.status_code, second.status_code) == (201, 201)
+    assert first.json() == second.json()
+    assert first.json()["digest"] == digest
+    assert first.json()["name"] == "sweep 3"
+    assert first.headers["Location"] == f"/v1/recordings/{digest}"
+    assert len(client.get("/v1/recordings").json()["items"]) == 1
+    assert client.get(first.headers["Location"]).json() == first.json()
+    kept = settings.recordings_folder / digest / "recording.h5"
+    assert open_recording(kept).digest() == digest
+    assert list(settings.work_folder.iterdir()) == []
+
+
+def test_recordings_are_filtered(client: TestClient, recording_file: Path) -> None:
+    upload(client, as_files(recording_file))
+    assert len(client.get("/v1/recordings", params={"serial": "D0001"}).json()["items"]) == 1
+    assert client.get("/v1/recordings", params={"serial": "D0002"}).json()["items"] == []
+    assert client.get("/v1/recordings", params={"band": "red"}).json()["items"] == []
+
+
+def link_in_zip() -> bytes:
+    body = io.BytesIO()
+    with zipfile.ZipFile(body, "w") as archive:
+        member = zipfile.ZipInfo("recording.toml")
+        member.external_attr = (stat.S_IFLNK | 0o777) << 16
+        archive.writestr(member, "/etc/passwd")
+    return body.getvalue()
+
+
+BAD = {
+    "no zip": (b"this is no archive", "not-a-zip", 422),
+    "cut short": (packed({"recording.toml": b"x" * 9999})[:-30], "not-a-zip", 422),
+    "leads up": (packed({"../../evil.toml": b""}), "unsafe-archive", 422),
+    "absolute": (packed({"/evil.toml": b""}), "unsafe-archive", 422),
+    "link": (link_in_zip(), "unsafe-archive", 422),
+    "bomb": (packed({"frames/000.raw": bytes(20 << 20)}), "too-large", 413),
+    "too large": (bytes(9 << 20), "too-large", 413),
+    "nothing": (b"", "empty-body", 422),
+    "no recording": (packed({"readme.txt": b"hello"}), "not-a-recording", 422),
+    "not HDF5": (packed({"a.h5": b"nope", "a.frames.jsonl": b""}), "not-a-recording", 422),
+    "bad toml": (packed({"recording.toml": b"camera = 3"}), None, 422),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_what_is_no_recording_is_refused_and_leaves_nothing(
+    client: TestClient, settings: Settings, tmp_path: Path, case: str
+) -> None:
+    body, code, status = BAD[case]
+    answer = upload(client, body)
+    assert answer.status_code == status
+    assert answer.headers["Content-Type"] == "application/problem+json"
+    assert code in {None, answer.json()["code"]}
+    assert list(settings.work_folder.iterdir()) == []
+    assert not settings.recordings_folder.exists()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["home"]
+    assert client.get("/v1/recordings").json()["items"] == []
+
+
+def test_a_file_that_reaches_for_others_is_refused(
+    client: TestClient, recording_file: Path, tmp_path: Path
+) -> None:
+    copy = tmp_path / "rec.h5"
+    copy.write_bytes(recording_file.read_bytes())
+    with h5py.File(copy, "a") as file:
+        file["elsewhere"] = h5py.ExternalLink("/etc/passwd", "/")
+    commits = commit_path(recording_file).read_bytes()
+    body = packed({"rec.h5": copy.read_bytes(), "rec.frames.jsonl": commits})
+    assert upload(client, body).json()["code"] == "unsafe-file"
+
+
+def test_a_file_without_its_commit_record_is_refused(
+    client: TestClient, recording_file: Path
+) -> None:
+    answer = upload(client, packed({"rec.h5": recording_file.read_bytes()}))
+    assert answer.json()["code"] == "no-commit-record"
+
+
+def test_a_browser_that_was_tricked_cannot_upload(client: TestClient, recording_file: Path) -> None:
+    for kind in ("text/plain", "multipart/form-data", "application/x-www-form-urlencoded", ""):
+        answer = client.post(
+            "/v1/recordings", content=as_files(recording_file), headers={"Content-Type": kind}
+        )
+        assert (answer.status_code, answer.json()["code"]) == (415, "wrong-media-type")

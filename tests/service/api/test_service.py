@@ -1,0 +1,131 @@
+"""What holds for every route: problems, names, the document, health."""
+
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from fastapi.testclient import TestClient
+
+from service.settings import Settings
+from service.store.store import Store
+
+
+def test_health_and_readiness(client: TestClient, settings: Settings) -> None:
+    assert client.get("/healthz").json() == {"status": "alive"}
+    assert client.get("/readyz").json() == {"status": "ready", "store": "writable"}
+
+
+def test_a_store_that_cannot_be_written_is_not_ready(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from service.store.errors import StoreError
+
+    def busy(_: Store) -> None:
+        raise StoreError("the disk is gone; look at it", code="store-not-writable")
+
+    monkeypatch.setattr(Store, "check_writable", busy)
+    answer = client.get("/readyz")
+    assert (answer.status_code, answer.json()["code"]) == (503, "store-not-writable")
+
+
+def test_every_error_is_a_problem(client: TestClient) -> None:
+    for method, place, status in (
+        ("GET", "/nowhere", 404),
+        ("DELETE", "/v1/recordings", 405),
+        ("GET", "/v1/recordings?limit=0", 422),
+        ("GET", "/v1/jobs/nobody", 404),
+        ("GET", "/v1/coefficient-sets?before=99999999999999999999999", 422),
+    ):
+        answer = client.request(method, place)
+        assert answer.status_code == status
+        assert answer.headers["Content-Type"] == "application/problem+json"
+        told = answer.json()
+        assert told["type"] == f"urn:darkflat:problem:{told['code']}"
+        assert told["status"] == status
+        assert told["detail"]
+
+
+def test_a_defect_shows_no_trace(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    def surprise(_: Store) -> None:
+        raise KeyError("secret inner state")
+
+    monkeypatch.setattr(Store, "check_writable", surprise)
+    answer = client.get("/readyz")
+    assert (answer.status_code, answer.json()["code"]) == (500, "internal-error")
+    assert "secret" not in answer.text
+    assert "Traceback" not in answer.text
+
+
+def test_a_foreign_name_is_not_answered(client: TestClient) -> None:
+    """A page that lets its own name point at this machine gets nothing."""
+    for host, status in (
+        ("evil.example", 421), ("evil.example:8642", 421), ("127.0.0.1.evil.example", 421),
+        ("", 421), ("localhost:8642", 200), ("[::1]:8642", 200), ("LOCALHOST", 200),
+    ):  # fmt: skip
+        assert client.get("/healthz", headers={"Host": host}).status_code == status, host
+
+
+def test_the_document_is_complete(client: TestClient) -> None:
+    document: dict[str, Any] = client.get("/openapi.json").json()
+    assert "Problem" in document["components"]["schemas"]
+    assert "HTTPValidationError" not in str(document)
+    for path, operations in document["paths"].items():
+        for method, operation in operations.items():
+            assert operation.get("summary"), (method, path)
+            assert operation.get("description"), (method, path)
+            good = next(code for code in operation["responses"] if code.startswith("2"))
+            assert operation["responses"][good].get("content"), (method, path)
+            for status, response in operation["responses"].items():
+                if int(status) >= 400:
+                    assert set(response["content"]) == {"application/problem+json"}, (path, status)
+
+
+def test_serve_answers_on_loopback_until_it_is_stopped(tmp_path: Path) -> None:
+    command = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler);"
+    command += "from service.cli import main; main()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", command, "serve", "--port", "0", "--json", "-"],
+        stdout=subprocess.PIPE,
+        env={"DARKFLAT_HOME": str(tmp_path), "PATH": "/usr/bin"},
+        text=True,
+    )
+    try:
+        assert process.stdout is not None
+        told = "".join(process.stdout.readline() for _ in range(5))
+        url = told.partition('"url": "')[2].partition('"')[0]
+        assert url.startswith("http://127.0.0.1:")
+        until = time.monotonic() + 30
+        while True:
+            try:
+                assert httpx.get(f"{url}/healthz", timeout=5).status_code == 200
+                break
+            except httpx.TransportError:
+                assert time.monotonic() < until
+                time.sleep(0.1)
+        process.send_signal(2)
+        assert process.wait(timeout=20) == 0
+    finally:
+        process.kill()
+        process.wait()
+        assert process.stdout is not None
+        process.stdout.close()
+
+
+def test_a_port_that_is_taken_is_one_line(tmp_path: Path) -> None:
+    from service.cli.listening import listen
+
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        from calib.errors import InputError
+
+        with pytest.raises(InputError) as refused:
+            listen("127.0.0.1", taken.getsockname()[1])
+        assert refused.value.code == "port-in-use"
+    for host in ("0.0.0.0", "192.168.1.5", "example.org", "::"):  # noqa: S104
+        with pytest.raises(InputError) as refused:
+            listen(host, 0)
+        assert refused.value.code == "keys-needed"
