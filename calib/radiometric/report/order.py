@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from calib.radiometric.report.style import BLUE, GREY, new_figure
-from calib.radiometric.vignette import OrderChoice
+from calib.radiometric.order_choice import OrderChoice
 
 
 def order_choice(choice: OrderChoice) -> Figure:
