@@ -14,6 +14,18 @@ _LEVELS = (1, 2, 4)
 _EXPOSURES_US = (10.0, 30.0, 60.0, 90.0)
 _REFERENCE_US = 60.0
 
+_STATED = {
+    "identity": "simulated sphere",
+    "standard": "none: the forward model",
+    "certificate": "demo",
+    "certificate_relative_std": 0.01,
+    "level_relative_std": 0.002,
+    "nonuniformity_relative": 0.01,
+    "monitor_relative_std": 0.002,
+}
+"""The simulated sphere has none of these errors; a certificate of a real one states such figures,
+and AgCam's source is Lambertian within 1 %."""
+
 
 def demo_plan(model: Model, *, lamps: int) -> Plan:
     """Return the plan for `model`'s camera; the certificate's radiances are the model's own.
@@ -45,6 +57,7 @@ def demo_plan(model: Model, *, lamps: int) -> Plan:
                 "lamps": lamps,
                 "radiance_unit": model.source.radiance_unit,
                 "radiance": _certificate(model),
+                **_STATED,
             },
             "settle": {
                 "tolerance_percent": 0.5,
