@@ -10,7 +10,7 @@ def sparkline(values: Sequence[float], width: int = 64) -> str:
     """Return `values`, averaged into `width` bars from 0 to their largest.
 
     >>> sparkline([0.0, 1.0, 2.0, 4.0], width=4)
-    '▁▂▄█'
+    '▁▃▅█'
     """
     n = len(values)
     edges = [i * n // width for i in range(width + 1)]
