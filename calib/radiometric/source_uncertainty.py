@@ -49,5 +49,4 @@ class SourceUncertainty:
     @classmethod
     def of_header(cls, source: SourceHeader) -> Self:
         """Return what the recording's header states."""
-        extra = source.model_extra or {}
-        return cls(**{f.name: extra[f.name] for f in fields(cls) if f.name in extra})
+        return cls(**{f.name: getattr(source, f.name) for f in fields(cls)})

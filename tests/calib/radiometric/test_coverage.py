@@ -16,12 +16,12 @@ from calib.radiometric.from_statistics import determine
 from calib.radiometric.provenance import Provenance
 from tests.calib.radiometric.simulated import Bench, draw
 
-NAMES = ("dark_offset", "vignette", "responsivity", "scale")
+NAMES = ("dark_offset", "vignette", "responsivity", "scale", "line")
 
 
 @dataclass(frozen=True)
 class Coverage:
-    """Mean and mean square of z by recording and quantity, (n_recordings, 4)."""
+    """Mean and mean square of z by recording and quantity, (n_recordings, 5)."""
 
     mean: NDArray[np.float64]
     square: NDArray[np.float64]
@@ -57,12 +57,20 @@ def _z(bench: Bench, rng: Generator, *, pixels: bool) -> tuple[list[float], list
     valid = got.valid
     off_axis = valid & (np.abs(np.arange(bench.n) - got.axis_column) > 0.15 * bench.n)
     relative = (got.slope / (drawn.vignette * drawn.responsivity) - 1)[valid]
-    own = np.sqrt(np.mean((got.slope_std / got.slope)[valid] ** 2) / valid.sum())
+    light = 0.5 * (2**bench.bit_depth - 1) / np.nanmedian(got.slope)
+    line = got.dark_offset_dn + got.slope * light
+    line -= drawn.offset + drawn.vignette * drawn.responsivity * light
+    line_variance = (
+        got.dark_offset_dn_std**2
+        + light**2 * (got.slope_std**2 + (got.slope * got.scale_relative_std) ** 2)
+        + 2 * light * got.offset_slope_covariance
+    )
     z = (
         ((got.dark_offset_dn - drawn.offset) / got.dark_offset_dn_std)[valid],
         ((got.vignette - drawn.vignette) / got.vignette_std)[off_axis],
         ((got.responsivity - drawn.responsivity) / got.responsivity_std)[valid],
-        np.array([relative.mean() / np.hypot(got.scale_relative_std, own)]),
+        np.array([relative.mean() / got.scale_relative_std]),
+        (line / np.sqrt(line_variance))[valid],
     )
     return [float(v.mean()) for v in z], [float((v**2).mean()) for v in z]
 
@@ -82,6 +90,7 @@ CASES = [
     pytest.param(Bench(line_noise_dn=2.0, darks=8), False, id="line-noise"),
     pytest.param(Bench(level_error=None), False, id="levels-without-stated-error"),
     pytest.param(Bench(dark_current=0.05, darks=5), False, id="dark-current"),
+    pytest.param(Bench(certificate=0.0, level_error=0.0, lines=4000), False, id="perfect-source"),
     pytest.param(Bench(levels=()), False, id="exposure-sweep-only"),
 ]
 

@@ -81,3 +81,15 @@ def test_too_few_columns_are_said() -> None:
     with pytest.raises(NotDeterminedError) as refusal:
         fit_profile(slope, QUIET, NO_TAPS)
     assert refusal.value.code == "too-few-columns"
+
+
+def test_an_order_too_low_by_chance_is_not_taken_for_certain() -> None:
+    rng = np.random.default_rng()
+    truth = smooth_profile(256)
+    z = []
+    for _ in range(150):
+        slope = truth * (1 + 0.08 * rng.standard_normal(256))
+        fit = fit_profile(slope, np.zeros(256), np.zeros((256, 0)))
+        vignette = normalise(fit, np.zeros(256), 0.0)
+        z.append(((vignette.values - truth) / vignette.std)[np.abs(np.arange(256) - 140) > 40])
+    assert np.sqrt(np.mean(np.square(z))) < 1.5
