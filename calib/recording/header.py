@@ -45,14 +45,28 @@ class CameraHeader(_Header):
 
 
 class SourceHeader(_Header):
-    """The light."""
+    """The light, and what its certificate and whoever set it up state of it (type B)."""
 
     kind: Literal["sphere", "led", "lamp", "none"] = "none"
     lamps: int = Field(default=1, ge=0)
+    identity: str = ""
+    """Free text: make and serial number."""
     radiance_unit: str = "1"
     wavelength_nm: float | None = Field(default=None, gt=0)
     photons_per_pixel_per_us: float | None = Field(default=None, gt=0)
     """At level 1."""
+    certificate_relative_std: float | None = Field(default=None, ge=0, lt=1)
+    """Standard uncertainty (k = 1) of all radiances together. None, here and below: not stated."""
+    level_relative_std: float | None = Field(default=None, ge=0, lt=1)
+    """Standard uncertainty of each level's radiance apart from that."""
+    nonuniformity_relative: float | None = Field(default=None, ge=0, lt=1)
+    """Half-width ±h of a rectangular distribution over the field that the camera sees."""
+    monitor_relative_std: float | None = Field(default=None, ge=0, lt=1)
+    """Standard uncertainty of carrying the radiance over to the day of the recording."""
+    standard: str = ""
+    """The radiance standard that the certificate traces to."""
+    certificate: str = ""
+    """The certificate's identifier."""
 
 
 class Block(_Header):

@@ -51,7 +51,6 @@ def recording_header(
 
 
 def _source(plan: Plan) -> SourceHeader:
-    unsaid = set() if plan.source.identity else {"identity"}
-    known = plan.source.model_dump(exclude={"radiance", "lamps", *unsaid})
+    known = plan.source.model_dump(exclude={"radiance", "lamps"})
     lamps = plan.source.lamps if plan.source.lamps is not None else ceil(max(plan.levels()))
     return SourceHeader(lamps=lamps, **known)

@@ -10,7 +10,7 @@ from calib.forward.model import Model
 from calib.radiometric.calibrate import calibrate
 from calib.radiometric.coefficient_set import CoefficientSet
 from calib.radiometric.source_uncertainty import SourceUncertainty
-from calib.recording.header import Block, SourceHeader
+from calib.recording.header import Block
 from calib.recording.open import open_recording
 from tests.calib.radiometric.in_memory import InMemory, agcam_plan, record
 
@@ -54,7 +54,7 @@ LINES = 64
 def recording() -> InMemory:
     drawn = record(MODEL, agcam_plan(LINES), np.random.default_rng(), LINES)
     stated = {"certificate_relative_std": 0.008, "certificate": "C-17"}
-    source = SourceHeader(**drawn.header.source.model_dump(), **stated)
+    source = drawn.header.source.model_copy(update=stated)
     return InMemory(drawn.header.model_copy(update={"source": source}), drawn.stretches)
 
 

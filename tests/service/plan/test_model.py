@@ -54,6 +54,14 @@ NONSENSE = {
     ),
     "NaN radiance": ({"source": {"radiance": {"1": float("nan")}}}, "source.radiance.1 = nan"),
     "negative radiance": ({"source": {"radiance": {"1": -3.0}}}, "source.radiance.1 = -3.0"),
+    "percent where a share is meant": (
+        {"source": {"certificate_relative_std": 1.5}},
+        "source.certificate_relative_std = 1.5",
+    ),
+    "negative uncertainty": (
+        {"source": {"monitor_relative_std": -0.01}},
+        "source.monitor_relative_std = -0.01",
+    ),
     "a level is no number": ({"source": {"radiance": {"one": 1.0}}}, "source.radiance.one"),
     "frames do not fill the block": ({"frame_lines": 7}, "frame_lines = 7 does not divide 64"),
     "exposure beyond the line period": (
