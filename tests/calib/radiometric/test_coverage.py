@@ -83,6 +83,10 @@ EIGHT_BITS = Bench(
     bit_depth=8, gain=0.004, read_dn=0.35, offset_mean=6.0, offset_std=1.2, response=0.1, lines=40
 )
 
+PERFECT_SOURCE = Bench(
+    certificate=0.0, level_error=0.0, lines=4000, exposures=tuple(np.linspace(50.0, 500.0, 16))
+)
+
 CASES = [
     pytest.param(Bench(n=128, lines=24), True, id="pixels"),
     pytest.param(EIGHT_BITS, True, id="8-bit-pixels"),
@@ -90,7 +94,7 @@ CASES = [
     pytest.param(Bench(line_noise_dn=2.0, darks=8), False, id="line-noise"),
     pytest.param(Bench(level_error=None), False, id="levels-without-stated-error"),
     pytest.param(Bench(dark_current=0.05, darks=5), False, id="dark-current"),
-    pytest.param(Bench(certificate=0.0, level_error=0.0, lines=4000), False, id="perfect-source"),
+    pytest.param(PERFECT_SOURCE, False, id="perfect-source"),
     pytest.param(Bench(levels=()), False, id="exposure-sweep-only"),
 ]
 
