@@ -159,12 +159,12 @@ def test_camera_that_sends_nothing_times_out_and_recovers(
 def test_lost_packets_lose_frames_that_are_named_and_taken_again(
     process: SimulatedCameraProcess, camera: AravisCamera, lit: World, wanted: CameraSettings
 ) -> None:
-    used = camera.configure(replace(wanted, frame_lines=256))
-    process.lose_packets(0.01)
-    arrived = list(camera.frames(30))
+    used = camera.configure(replace(wanted, frame_lines=128))
+    process.lose_packets(0.02)
+    arrived = list(camera.frames(100))
     lost = [frame for frame in arrived if isinstance(frame, LostFrame)]
     frames = [frame for frame in arrived if isinstance(frame, CapturedFrame)]
-    assert len(frames) == 30
+    assert len(frames) == 100
     assert lost
     assert all(frame.reason for frame in lost)
     assert camera.stream_report.missing_packets > 0
@@ -177,8 +177,8 @@ def test_every_frame_is_accounted_for_even_when_its_leader_is_lost(
     process: SimulatedCameraProcess, camera: AravisCamera, wanted: CameraSettings
 ) -> None:
     camera.configure(replace(wanted, frame_lines=8))  # few packets: the leader is one in three
-    process.lose_packets(0.1)
-    arrived = list(camera.frames(60))
+    process.lose_packets(0.05)
+    arrived = list(camera.frames(200))
     ids = [frame.frame_id for frame in arrived]
     assert any("leader" in frame.reason for frame in arrived if isinstance(frame, LostFrame))
     first, last = ids[0], ids[-1]
