@@ -58,7 +58,7 @@ def determine(
     groups = group_levels(flats.blocks, choices.radiances)
     check_radiance(groups, choices)
     parts = find_parts(flats, darks, groups, header, choices)
-    coefficients = _assemble(parts, flats, header, provenance, relative=choices.relative)
+    coefficients = _assemble(parts, flats, darks, header, provenance, relative=choices.relative)
     comparison = _compare(parts, darks, coefficients)
     warnings = (
         *source_findings(parts.source, parts.scale, choices.relative),
@@ -72,6 +72,7 @@ def determine(
 def _assemble(
     parts: Parts,
     flats: BlockTable,
+    darks: BlockTable,
     header: RecordingHeader,
     provenance: Provenance,
     *,
@@ -107,7 +108,9 @@ def _assemble(
         axis_column_std=parts.vignette.axis_column_std,
         vignette_order=parts.profile.order,
         reduced_chi_squared=chi2 if np.isfinite(chi2) else None,
-        domain=domain_of(flats, estimate.fit, parts.scale.radiance_of_reference, header.blocks),
+        domain=domain_of(
+            flats, darks, estimate.fit, parts.scale.radiance_of_reference, header.blocks
+        ),
         budget=responsivity_budget(
             fit.slope, parts.variances, parts.vignette, parts.scale, parts.source
         ),

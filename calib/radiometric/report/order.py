@@ -2,8 +2,8 @@
 
 from matplotlib.figure import Figure
 
-from calib.radiometric.report.style import BLUE, GREY, new_figure
 from calib.radiometric.order_choice import OrderChoice
+from calib.radiometric.report.style import BLUE, GREY, new_figure
 
 
 def order_choice(choice: OrderChoice) -> Figure:

@@ -8,11 +8,15 @@ import pytest
 from calib.errors import DarkflatError, InputError, NotDeterminedError
 from calib.forward.model import Model
 from calib.radiometric.calibrate import calibrate
+from calib.radiometric.choices import Choices
 from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.from_statistics import determine
+from calib.radiometric.provenance import Provenance
 from calib.radiometric.source_uncertainty import SourceUncertainty
 from calib.recording.header import Block
 from calib.recording.open import open_recording
 from tests.calib.radiometric.in_memory import InMemory, agcam_plan, record
+from tests.calib.radiometric.simulated import Bench, draw
 
 MODEL = Model.loads(
     """
@@ -86,7 +90,7 @@ def test_the_set_says_where_it_comes_from_and_what_it_has_seen(
     assert loaded.provenance.plan == "name = 'agcam'"
     assert loaded.provenance.certificate == "C-17"
     assert loaded.domain.exposure_us == (100.0, 500.0)
-    assert loaded.domain.radiance == pytest.approx((10.0, 60.0), rel=1e-3)
+    assert loaded.domain.radiance == pytest.approx((0.0, 60.0), rel=1e-3)
     assert loaded.domain.temperature_c == (25.0, 25.0)
 
 
@@ -254,3 +258,17 @@ def test_a_folder_is_calibrated_as_the_recording_is(recording: InMemory, tmp_pat
     expected = calibrate(recording).coefficients
     np.testing.assert_array_equal(found.slope, expected.slope)
     np.testing.assert_array_equal(found.responsivity_std, expected.responsivity_std)
+
+
+@pytest.mark.parametrize("with_darks", [True, False])
+def test_the_domain_reaches_down_to_the_darks_where_there_are_any(with_darks: bool) -> None:
+    bench = Bench(darks=3 if with_darks else 0)
+    drawn = draw(bench, np.random.default_rng())
+    found = determine(
+        drawn.statistics, bench.header(), Provenance(""), Choices(darks_required=False)
+    )
+    lowest = drawn.statistics.fit[0 if not with_darks else -1].mean_dn.min()
+    domain = found.coefficients.domain
+    assert (domain.radiance[0] == 0.0) is with_darks
+    assert domain.dn[0] <= lowest < domain.dn[1]
+    assert (domain.dn[0] < bench.offset_mean + 4 * bench.offset_std) is with_darks
