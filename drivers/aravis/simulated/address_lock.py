@@ -2,6 +2,12 @@
 
 Aravis' fake camera says that it runs even where it could not bind the port, so the port is tried
 first; a lock on a file keeps two simulated cameras from trying at the same moment.
+
+Why a second camera cannot simply take 127.0.0.2: all of 127.0.0.0/8 is local and would carry it,
+but Aravis looks its address up in `getifaddrs`, which lists only what an interface was given, and
+`lo` was given 127.0.0.1 alone. Two run side by side where an administrator gave `lo` a second one
+(`ip address add 127.0.0.2/8 dev lo`), or in network namespaces of their own, which need no rights
+(`unshare -rn sh -c "ip link set lo up && darkflat demo"`). Neither is ours to do unasked.
 """
 
 import fcntl
@@ -32,7 +38,8 @@ def held(address: str, wait_s: float) -> Iterator[None]:
             if time.monotonic() >= deadline_s:
                 raise DeviceBusyError(
                     f"{address}: UDP port {GVCP_PORT} is taken by another simulated camera or "
-                    "GigE Vision program; end it, or give another of this machine's addresses",
+                    "GigE Vision program; wait for its end, or give another address that an "
+                    "interface has (`ip address add 127.0.0.2/8 dev lo` makes one)",
                     device=address,
                     code="address-taken",
                 )
