@@ -2,6 +2,9 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PEERS := .venv-peers
+# Options and rows of the benchmarks, e.g. make bench BENCH="--quick sums fit"
+BENCH ?=
 # Writing a compiled loop once per machine, not once per process.
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba-cache
 
@@ -29,8 +32,14 @@ check: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: setup
-	$(BIN)/python -m benchmarks
+bench: setup $(PEERS)/ready
+	$(BIN)/python -m benchmarks --peers $(PEERS)/bin/python $(BENCH)
+
+# What is compared with has an environment of its own: one peer needs an older NumPy.
+$(PEERS)/ready: benchmarks/peers.lock
+	$(PYTHON) -m venv $(PEERS)
+	$(PEERS)/bin/pip install --quiet --require-hashes -r benchmarks/peers.lock
+	touch $@
 
 soak: setup
 	$(BIN)/pytest -m soak --timeout 7200
@@ -50,4 +59,4 @@ lock:
 	rm -rf .lock-venv
 
 clean:
-	rm -rf $(VENV) .numba-cache demo
+	rm -rf $(VENV) $(PEERS) .numba-cache demo

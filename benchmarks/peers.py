@@ -1,18 +1,22 @@
-"""Times other projects' code on the same work; run by their own interpreter, prints seconds.
+"""Times other projects' code on the same work; run by their own interpreter.
 
-    .venv-peers/bin/python benchmarks/peers.py JOB ROUNDS
+    .venv-peers/bin/python benchmarks/peers.py JOB N_LINES N_COLUMNS
+
+For each line on standard input the job is done once, and its seconds are printed, so that it takes
+turns with the contestants of the process that asks.
 
 It stands alone, since their environment (numpy < 2) has nothing of ours.
 """
 
-import statistics
+# ruff: noqa: PLC0415 - each job imports its peer, and no other
+
 import sys
 import time
 import warnings
 
 import numpy as np
 
-N_LINES, N_COLUMNS = 714, 6144
+N_LINES, N_COLUMNS = (int(text) for text in sys.argv[2:4])
 MEAN_E, READ_NOISE_E, GAIN_DN_PER_E = 8000.0, 10.0, 0.2
 
 
@@ -123,15 +127,11 @@ JOBS = {
 
 def main():
     warnings.simplefilter("ignore")
-    job, rounds = sys.argv[1], int(sys.argv[2])
-    once = JOBS[job]()
-    once()
-    taken = []
-    for _ in range(rounds):
+    once = JOBS[sys.argv[1]]()
+    for _ in sys.stdin:
         start = time.perf_counter()
         once()
-        taken.append(time.perf_counter() - start)
-    print(statistics.median(taken))
+        print(time.perf_counter() - start, flush=True)
 
 
 if __name__ == "__main__":

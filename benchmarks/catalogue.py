@@ -1,0 +1,20 @@
+"""The rows of the table, by the name that picks them on the command line."""
+
+from collections.abc import Callable
+
+from benchmarks import apply, calibration, line_fit, recording, simulation, sums
+from benchmarks.row import Row
+from benchmarks.size import Size
+
+ROWS: dict[str, Callable[[Size], Row]] = {
+    "simulate": simulation.run,
+    "sums": sums.one_thread,
+    "sums-2": sums.two_threads,
+    "covariances": sums.with_covariances,
+    "fit": line_fit.run,
+    "apply": apply.without_std,
+    "apply-std": apply.with_std,
+    "record": recording.run,
+    "calibrate-8": calibration.of_8_bits,
+    "calibrate-12": calibration.of_12_bits,
+}
