@@ -1,23 +1,24 @@
 """Exact sums over lines, column by column: codes, squares, clipped samples, lagged products.
 
-Four lines are added up per visit of a column's sums, which halves the memory traffic. Sums of
-codes run in 32 bits inside the loop and are flushed every 65,536 lines, before full-scale 16-bit
-codes overflow them; squares and products run in 64 bits (a single full-scale 16-bit square takes
-all of 32). Threads are Python's: the kernels release the interpreter, every thread takes its own
-run of lines, and no threading layer of Numba's is started, which would be unsafe to fork.
+Eight lines are added up per visit of a column's sums, which saves memory traffic. Clipped samples
+are counted only where the eight lines' lowest or highest code says that there are any. Sums of
+codes run in 32 bits, counts in 16, and both are flushed every 65,528 lines, before they overflow
+at full scale; squares and products run in 64 bits (a single full-scale 16-bit square takes all of
+32). Threads are Python's: the kernels release the interpreter, every thread takes its own run of
+lines, and no threading layer of Numba's is started, which would be unsafe to fork.
 """
 
 from concurrent.futures import Executor
 
 import numpy as np
-from numba import njit, uint32, uint64
+from numba import njit, uint16, uint32, uint64
 
 from calib.arrays import RawLines
 from calib.kernels.line_sums import LaggedSums, LineSums
 
 # Columns whose sums fit the second-level cache together.
 _TILE = 8192
-_FLUSH_LINES = 65536
+_FLUSH_LINES = 65528
 
 
 def line_sums(
@@ -66,48 +67,82 @@ def lagged_sums(dn: RawLines, full_scale_dn: int) -> LaggedSums:
 
 @njit(cache=True, nogil=True)
 def _add_lines(dn, full_scale, first, last, step, codes, squares, at_zero, at_full):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
-    top = uint32(full_scale)
+    top = uint16(full_scale)
     for left in range(0, dn.shape[1], _TILE):
-        width = min(_TILE, dn.shape[1] - left)
-        right = left + width
-        total = np.zeros(width, np.uint32)
+        right = min(left + _TILE, dn.shape[1])
+        square = squares[left:right]
+        total = np.zeros(right - left, np.uint32)
+        zeros, fulls = np.zeros(right - left, np.uint16), np.zeros(right - left, np.uint16)
         line = first
         while line < last:
             stop = min(last, line + _FLUSH_LINES * step)
-            q, z, f = squares[left:right], at_zero[left:right], at_full[left:right]
-            while line + 3 * step < stop:
-                _add_four(
-                    dn[line, left:right], dn[line + step, left:right],
-                    dn[line + 2 * step, left:right], dn[line + 3 * step, left:right],
-                    top, total, q, z, f,
-                )  # fmt: skip
-                line += 4 * step
+            while line + 7 * step < stop:
+                rows = _eight_rows(dn, line, step, left, right)
+                lowest, highest = _add_eight(rows, total, square)
+                if lowest == 0 or highest >= top:
+                    _count_eight(rows, top, zeros, fulls)
+                line += 8 * step
             while line < stop:
-                _add_one(dn[line, left:right], top, total, q, z, f)
+                _add_one(dn[line, left:right], top, total, square, zeros, fulls)
                 line += step
-            for i in range(width):
-                codes[left + i] += total[i]
-                total[i] = 0
+            codes[left:right] += total
+            at_zero[left:right] += zeros
+            at_full[left:right] += fulls
+            total[:], zeros[:], fulls[:] = 0, 0, 0
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _add_four(line0, line1, line2, line3, top, total, squares, at_zero, at_full):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
-    for i in range(len(total)):
-        a, b, c, d = uint32(line0[i]), uint32(line1[i]), uint32(line2[i]), uint32(line3[i])
-        total[i] += a + b + c + d
-        squares[i] += uint64(a * a) + uint64(b * b) + uint64(c * c) + uint64(d * d)
-        at_zero[i] += uint32(a == 0) + uint32(b == 0) + uint32(c == 0) + uint32(d == 0)
-        at_full[i] += uint32(a >= top) + uint32(b >= top) + uint32(c >= top) + uint32(d >= top)
+def _eight_rows(dn, line, step, left, right):  # type: ignore[no-untyped-def]
+    return (
+        dn[line, left:right], dn[line + step, left:right],
+        dn[line + 2 * step, left:right], dn[line + 3 * step, left:right],
+        dn[line + 4 * step, left:right], dn[line + 5 * step, left:right],
+        dn[line + 6 * step, left:right], dn[line + 7 * step, left:right],
+    )  # fmt: skip
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _add_one(line, top, total, squares, at_zero, at_full):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
+def _add_eight(rows, total, squares):  # type: ignore[no-untyped-def]
+    """Add eight lines; return the lowest and the highest code in them."""
+    row0, row1, row2, row3, row4, row5, row6, row7 = rows
+    lowest, highest = uint32(65535), uint32(0)
     for i in range(len(total)):
-        a = uint32(line[i])
+        a, b, c, d = uint32(row0[i]), uint32(row1[i]), uint32(row2[i]), uint32(row3[i])
+        e, f, g, h = uint32(row4[i]), uint32(row5[i]), uint32(row6[i]), uint32(row7[i])
+        total[i] += a + b + c + d + e + f + g + h
+        squares[i] += (
+            uint64(a * a) + uint64(b * b) + uint64(c * c) + uint64(d * d)
+            + uint64(e * e) + uint64(f * f) + uint64(g * g) + uint64(h * h)
+        )  # fmt: skip
+        lowest = min(lowest, a, b, c, d, e, f, g, h)
+        highest = max(highest, a, b, c, d, e, f, g, h)
+    return lowest, highest
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _count_eight(rows, top, zeros, fulls):  # type: ignore[no-untyped-def]
+    row0, row1, row2, row3, row4, row5, row6, row7 = rows
+    for i in range(len(zeros)):
+        a, b, c, d = uint16(row0[i]), uint16(row1[i]), uint16(row2[i]), uint16(row3[i])
+        e, f, g, h = uint16(row4[i]), uint16(row5[i]), uint16(row6[i]), uint16(row7[i])
+        zeros[i] += (
+            uint16(a == 0) + uint16(b == 0) + uint16(c == 0) + uint16(d == 0)
+            + uint16(e == 0) + uint16(f == 0) + uint16(g == 0) + uint16(h == 0)
+        )  # fmt: skip
+        fulls[i] += (
+            uint16(a >= top) + uint16(b >= top) + uint16(c >= top) + uint16(d >= top)
+            + uint16(e >= top) + uint16(f >= top) + uint16(g >= top) + uint16(h >= top)
+        )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _add_one(row, top, total, squares, zeros, fulls):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
+    for i in range(len(total)):
+        a = uint32(row[i])
         total[i] += a
         squares[i] += uint64(a * a)
-        at_zero[i] += uint32(a == 0)
-        at_full[i] += uint32(a >= top)
+        zeros[i] += uint16(a == 0)
+        fulls[i] += uint16(a >= top)
 
 
 @njit(cache=True, nogil=True)

@@ -61,6 +61,14 @@ def test_lagged_products_are_exact(shape: tuple[int, int], dtype: type, full_sca
     assert np.array_equal(lagged.line_products, below)
 
 
+@pytest.mark.parametrize("code", [0, 4095])
+@pytest.mark.parametrize("line", range(19))
+def test_a_single_clipped_sample_is_counted_wherever_it_stands(line: int, code: int) -> None:
+    dn = np.full((19, 8200), 2000, np.uint16)
+    dn[line, 17 * line] = dn[line, 8199] = code
+    assert_same(line_sums(dn, 4095), plain_sums(dn, 4095))
+
+
 @pytest.mark.parametrize("n_lines", [65535, 65536, 65537, 65538, 65541, 140_003])
 def test_full_scale_16_bit_lines_do_not_overflow(n_lines: int) -> None:
     dn = np.full((n_lines, 2), 65535, np.uint16)
