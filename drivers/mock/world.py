@@ -18,7 +18,9 @@ from math import exp
 from pathlib import Path
 from threading import Lock
 
-_HEADER = struct.Struct("<qqdd")  # sequence, n_lamps, capped, sensor temperature
+_HEADER = struct.Struct("<qqdddd")  # sequence, n_lamps, cap: from, to, at; sensor temperature
+_CAP = struct.Struct("<ddd")
+_CAP_AT, _TEMPERATURE_AT = 16, 40
 _LAMP = struct.Struct("<dddd")  # start, target, since, tau
 
 
@@ -70,7 +72,7 @@ class World:
     @classmethod
     def create(cls, path: Path, n_lamps: int, *, sensor_temperature_c: float = 25.0) -> "World":
         """Make a dark, uncapped world with `n_lamps` at `path`."""
-        body = _HEADER.pack(0, n_lamps, 0.0, sensor_temperature_c)
+        body = _HEADER.pack(0, n_lamps, 0.0, 0.0, 0.0, sensor_temperature_c)
         part = path.with_name(f".{path.name}.part")
         part.write_bytes(body + _LAMP.pack(0.0, 0.0, 0.0, 0.0) * n_lamps)
         part.replace(path)
@@ -95,15 +97,17 @@ class World:
             start = self._unpack(bytes(self._map)).lamps[lamp].emission(now)
             self._write(_HEADER.size + lamp * _LAMP.size, _LAMP.pack(start, target, now, tau_s))
 
-    def cap(self, capped: bool) -> None:
-        """Put the cap on the lens, or take it off."""
+    def cap(self, capped: bool, *, travel_s: float = 0.0) -> None:
+        """Put the cap on the lens, or take it off; it arrives after `travel_s`."""
         with self._exclusively():
-            self._write(16, struct.pack("<d", float(capped)))
+            now = time.monotonic()
+            was = self._unpack(bytes(self._map)).capped
+            self._write(_CAP_AT, _CAP.pack(float(was), float(capped), now + travel_s))
 
     def warm(self, sensor_temperature_c: float) -> None:
         """Set the sensor's temperature."""
         with self._exclusively():
-            self._write(24, struct.pack("<d", sensor_temperature_c))
+            self._write(_TEMPERATURE_AT, struct.pack("<d", sensor_temperature_c))
 
     def close(self) -> None:
         """Let go of the file; safe to call twice."""
@@ -111,10 +115,11 @@ class World:
         self._close_file()
 
     def _unpack(self, data: bytes) -> WorldState:
-        _, n_lamps, capped, temperature = _HEADER.unpack_from(data)
+        _, n_lamps, was, becomes, at_s, temperature = _HEADER.unpack_from(data)
         lamps = tuple(
             Lamp(*_LAMP.unpack_from(data, _HEADER.size + i * _LAMP.size)) for i in range(n_lamps)
         )
+        capped = becomes if time.monotonic() >= at_s else was
         return WorldState(lamps, capped > 0, temperature)
 
     @contextmanager

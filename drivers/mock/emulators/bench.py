@@ -113,7 +113,7 @@ class EmulatedBench:
             "monitor": Keithley6485Emulator(
                 lambda: world.state().emissions(), rng, current=settings.current
             ),
-            "shutter": Rly16(world.cap, travel_s=settings.travel_s),
+            "shutter": Rly16(world, travel_s=settings.travel_s),
         }
         if settings.lamps:
             devices["lamps"] = GenChain(self.supplies, address_settle_s=settings.address_settle_s)

@@ -1,9 +1,7 @@
 """An emulated Devantech USB-RLY16 whose relay moves the cap of the world's lens."""
 
-import time
-from collections.abc import Callable
-
 from drivers.mock.emulators.pty_line import Reply
+from drivers.mock.world import World
 
 _MODULE_ID, _VERSION = 9, 1
 
@@ -17,20 +15,20 @@ class Rly16:
 
     def __init__(
         self,
-        cap: Callable[[bool], None],
+        world: World,
         *,
         relay: int = 1,
         capped_when_on: bool = True,
         travel_s: float = 0.1,
     ) -> None:
         self.stuck = False
-        self._cap = cap
+        self._world = world
         self._mask = 1 << (relay - 1)
         self._capped_when_on = capped_when_on
         self._travel_s = travel_s
         self._states = 0
         self._awaits_states = False
-        self._arrives: float | None = time.monotonic()
+        self._move_cap()
 
     def receive(self, data: bytes) -> list[Reply]:
         """Every byte is a command, but the one after 5C."""
@@ -38,11 +36,7 @@ class Rly16:
         return [Reply(answers)] if answers else []
 
     def tick(self) -> None:
-        """Let the cap arrive."""
-        if self._arrives is not None and time.monotonic() >= self._arrives:
-            self._arrives = None
-            on = bool(self._states & self._mask)
-            self._cap(on == self._capped_when_on)
+        """Nothing happens by itself: the world knows when the cap arrives."""
 
     def _obey(self, byte: int) -> bytes:
         if self._awaits_states:
@@ -65,7 +59,11 @@ class Rly16:
     def _move(self, states: int) -> None:
         if not self.stuck and states != self._states:
             self._states = states
-            self._arrives = time.monotonic() + self._travel_s
+            self._move_cap()
+
+    def _move_cap(self) -> None:
+        on = bool(self._states & self._mask)
+        self._world.cap(on == self._capped_when_on, travel_s=self._travel_s)
 
 
 def _relays(number: int) -> int:
