@@ -24,7 +24,7 @@ demo: setup
 	$(BIN)/darkflat demo --out demo
 
 test: setup
-	$(BIN)/pytest
+	$(BIN)/pytest -n 2
 
 check: setup
 	$(BIN)/ruff format --check .
