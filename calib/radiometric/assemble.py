@@ -41,6 +41,7 @@ def scale_relative_std(scale: RadianceScale, source: SourceUncertainty) -> float
         source.certificate_relative_std or 0.0,
         (source.nonuniformity_relative or 0.0) / np.sqrt(3.0),
         source.monitor_relative_std or 0.0,
+        source.spectral_response_relative_std or 0.0,
     )
     return float(np.sqrt(sum(part**2 for part in parts)))
 

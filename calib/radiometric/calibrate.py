@@ -21,6 +21,7 @@ from calib.radiometric.uniformity import (
 )
 from calib.radiometric.vignette import ORDERS
 from calib.recording.block_statistics import RecordingStatistics
+from calib.recording.header import RecordingHeader
 from calib.recording.protocol import Recording
 from calib.recording.statistics import column_statistics, never
 from calib.recording.tone import Tone
@@ -32,6 +33,7 @@ def calibrate(
     recording: Recording,
     *,
     radiances: Mapping[float, float] | None = None,
+    radiance_unit: str | None = None,
     source: SourceUncertainty | None = None,
     tone: Tone | None = None,
     order: int | None = None,
@@ -39,6 +41,7 @@ def calibrate(
     darks_required: bool = True,
     held_out_every: int = HELD_OUT_EVERY,
     plan: str = "",
+    origin: Mapping[str, Parameter] | None = None,
     progress: Callable[[float], None] | None = None,
     cancelled: Callable[[], bool] = never,
 ) -> Calibration:
@@ -47,6 +50,7 @@ def calibrate(
     Args:
         recording: Flats of at least one level at two exposures, and capped darks.
         radiances: Radiance by level, in the recording's unit; goes before what blocks state.
+        radiance_unit: Of `radiances` where they were computed; None takes the recording's.
         source: Type B uncertainties of the source; None takes those of the recording's header.
         tone: A synchronous tone that is removed before lines are averaged.
         order: Degree of the vignette's polynomial; None chooses it by prediction.
@@ -54,6 +58,7 @@ def calibrate(
         darks_required: Refuse a recording without capped darks.
         held_out_every: One line of so many is kept from the fit to judge the result; 0 keeps none.
         plan: The plan that was run, as text, for the provenance.
+        origin: Where `radiances` come from, for the provenance: it joins the parameters.
         progress: Called with the share that is done, 0 to 1.
         cancelled: Asked before each frame; True ends in CancelledError.
 
@@ -70,8 +75,11 @@ def calibrate(
         progress=progress,
         cancelled=cancelled,
     )
-    provenance = _provenance(recording, choices, tone, held_out_every, plan)
-    determined = determine(statistics, recording.header, provenance, choices)
+    provenance = _provenance(
+        recording, choices, tone, held_out_every, plan=plan, origin=origin or {}
+    )
+    header = _in_unit(recording.header, radiance_unit)
+    determined = determine(statistics, header, provenance, choices)
     return Calibration(
         coefficients=determined.coefficients,
         darks=determined.darks,
@@ -96,8 +104,22 @@ def _judge(
     return uniformity(determined.coefficients, held_out, lines)
 
 
+def _in_unit(header: RecordingHeader, unit: str | None) -> RecordingHeader:
+    """Return the header with its radiances in `unit`."""
+    if unit is None:
+        return header
+    source = header.source.model_copy(update={"radiance_unit": unit})
+    return header.model_copy(update={"source": source})
+
+
 def _provenance(
-    recording: Recording, choices: Choices, tone: Tone | None, held_out_every: int, plan: str
+    recording: Recording,
+    choices: Choices,
+    tone: Tone | None,
+    held_out_every: int,
+    *,
+    plan: str,
+    origin: Mapping[str, Parameter],
 ) -> Provenance:
     """Return what makes the set repeatable."""
     camera = recording.header.camera
@@ -113,6 +135,7 @@ def _provenance(
     if tone is not None:
         parameters["tone_cycles_per_pixel"] = tone.cycles_per_pixel
         parameters["tone_pixels_per_line"] = tone.pixels_per_line
+    parameters |= origin
     return Provenance(
         recording_digest=recording.digest(),
         recording_name=recording.path.name,

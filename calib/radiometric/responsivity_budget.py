@@ -1,5 +1,6 @@
 """The uncertainty budget of the responsivity at a typical column, relative."""
 
+from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
@@ -55,7 +56,17 @@ def responsivity_budget(
             1.0, "common", _stated(source.monitor_relative_std),
         ),
     ]  # fmt: skip
-    return Budget("responsivity", "1", tuple(rows))
+    return Budget("responsivity", "1", (*rows, *_computed(source)))
+
+
+def _computed(source: SourceUncertainty) -> Iterator[BudgetRow]:
+    """Yield what radiances have in addition that were computed from spectra."""
+    if source.spectral_response_relative_std is not None:
+        yield BudgetRow(
+            "spectral response in the band radiance", "B", "normal",
+            source.spectral_response_relative_std, "1", 1.0, "common",
+            "of the response, propagated through the lamps' spectra",
+        )  # fmt: skip
 
 
 def _stated(value: float | None) -> str:

@@ -12,8 +12,9 @@ from calib.recording.header import SourceHeader
 class SourceUncertainty:
     """Stated by the certificate and by who set the source up; None is not stated.
 
-    Every field can stand under its name in `[source]` of recording.toml. AgCam's source is
-    Lambertian, and with it uniform, within 1 % (section 3): `nonuniformity_relative = 0.01`.
+    Every field that a recording's header has can stand under its name in `[source]` of
+    recording.toml. AgCam's source is Lambertian, and with it uniform, within 1 % (section 3):
+    `nonuniformity_relative = 0.01`.
 
     Attributes:
         certificate_relative_std: Standard uncertainty (k = 1) of all radiances together.
@@ -24,6 +25,9 @@ class SourceUncertainty:
             day of the recording by the monitor.
         standard: The radiance standard that the certificate traces to.
         certificate: The certificate's identifier.
+        spectral_response_relative_std: What the uncertainty of the camera's spectral response
+            brings into all radiances together, where they were computed from the lamps' spectra
+            (`radiances_from_spectra`); None where they were not.
     """
 
     certificate_relative_std: float | None = None
@@ -32,6 +36,7 @@ class SourceUncertainty:
     monitor_relative_std: float | None = None
     standard: str = ""
     certificate: str = ""
+    spectral_response_relative_std: float | None = None
 
     def __post_init__(self) -> None:
         for name in (
@@ -39,6 +44,7 @@ class SourceUncertainty:
             "level_relative_std",
             "nonuniformity_relative",
             "monitor_relative_std",
+            "spectral_response_relative_std",
         ):
             value = getattr(self, name)
             is_number = isinstance(value, int | float) and math.isfinite(value)
@@ -49,4 +55,5 @@ class SourceUncertainty:
     @classmethod
     def of_header(cls, source: SourceHeader) -> Self:
         """Return what the recording's header states."""
-        return cls(**{f.name: getattr(source, f.name) for f in fields(cls)})
+        stated = {f.name for f in fields(cls)} & set(SourceHeader.model_fields)
+        return cls(**{name: getattr(source, name) for name in stated})

@@ -4,6 +4,8 @@ Relative means: response to radiant power (not photons), divided by its largest 
 measured is in `spectral_response_scan` and `docs/spectral-response.md`.
 """
 
+import csv
+import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +16,7 @@ import numpy as np
 from calib.arrays import Columns
 from calib.errors import InputError, NotDeterminedError
 from calib.radiometric.spectral_table import check_positive, read_table, sorted_by_wavelength
+from calib.recording.durable import write_whole
 
 OUT_OF_BAND_LEVEL = 0.01
 """The band ends where the response first falls below this share of its peak."""
@@ -69,6 +72,17 @@ class SpectralResponse:
         std = table.numbers("response_std", empty=0.0)
         check_positive(table, "response_std", std, zero=True)
         return cls.normalised(wavelength_nm[order], table.numbers("response")[order], std[order])
+
+    def save(self, path: Path | str, *, comment: str = "") -> None:
+        """Write the table that `load` reads, whole or not at all; `comment` is its first line."""
+        text = io.StringIO()
+        if comment:
+            text.write(f"# {' '.join(comment.split())}\n")
+        table = csv.writer(text, lineterminator="\n")
+        table.writerow(["wavelength_nm", "response", "response_std"])
+        columns = (self.wavelength_nm, self.response, self.std)
+        table.writerows(zip(*(each.tolist() for each in columns), strict=True))
+        write_whole(Path(path), text.getvalue().encode())
 
     @property
     def half_maximum_nm(self) -> tuple[float, float]:

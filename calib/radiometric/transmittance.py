@@ -3,7 +3,9 @@
 Source: Olsen et al. 2010 (AgCam), section 2: the science window of the Destiny laboratory.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 from calib.errors import InputError
 
@@ -56,3 +58,6 @@ a lower bound; give your own where you have one."""
 
 DESTINY_NIR = Window(0.934, 0.0005 / 3**0.5, "Destiny science window, NIR (AgCam 2010)")
 """The paper's 93.4 %, with the same lower bound."""
+
+WINDOWS: Final[Mapping[str, Window]] = {"destiny-red": DESTINY_RED, "destiny-nir": DESTINY_NIR}
+"""Those that `darkflat apply --window` knows by name."""

@@ -66,6 +66,20 @@ def sync(path: Path) -> None:
         os.close(descriptor)
 
 
+def write_whole(path: Path, content: bytes) -> None:
+    """Write `content` to `path`, on the disk itself before this returns, or leave all as it was."""
+    partial = partial_path(path)
+    try:
+        with disk_errors(path):
+            partial.write_bytes(content)
+            sync(partial)
+            partial.replace(path)
+            sync(path.parent)
+    finally:
+        with suppress(OSError):
+            partial.unlink()
+
+
 @contextmanager
 def new_folder(path: Path) -> Iterator[Path]:
     """Give an empty folder that becomes `path` when all went well, and vanishes when not."""

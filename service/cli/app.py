@@ -10,6 +10,7 @@ from service.cli.commands.export import export
 from service.cli.commands.import_folder import import_folder
 from service.cli.commands.serve import serve
 from service.cli.commands.simulate import simulate
+from service.cli.commands.spectral_response import spectral_response
 from service.cli.commands.store import store
 from service.cli.commands.sweep import sweep
 
@@ -29,6 +30,7 @@ app.command("import")(import_folder)
 app.command("export")(export)
 app.command("calibrate")(calibrate)
 app.command("apply")(apply)
+app.command("spectral-response")(spectral_response)
 app.command("simulate")(simulate)
 app.add_typer(store, name="store")
 

@@ -1,6 +1,7 @@
 """`darkflat apply`: raw DN into radiance, with its uncertainty and a flag per pixel."""
 
 from datetime import UTC, datetime
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -8,6 +9,13 @@ import typer
 
 from service.cli.answering import Json, answering
 from service.cli.progress import progress, share_of
+
+
+class Pane(StrEnum):
+    """Those of `calib.radiometric.transmittance`."""
+
+    DESTINY_RED = "destiny-red"
+    DESTINY_NIR = "destiny-nir"
 
 
 def apply(
@@ -32,6 +40,9 @@ def apply(
         tuple[float, float] | None,
         typer.Option(metavar="T STD", help="Of a window that was not there when calibrating"),
     ] = None,
+    window: Annotated[
+        Pane | None, typer.Option(help="A window whose transmittance is known, instead of T STD")
+    ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Although the set does not match; flags say so")
     ] = False,
@@ -39,18 +50,21 @@ def apply(
     json: Json = None,
 ) -> None:
     """Correct lines: radiance, its standard uncertainty and a quality flag per pixel."""
+    if window and transmittance:
+        raise typer.BadParameter("give --window or --transmittance, not both")
     with answering(json) as answer:
         from calib.radiometric.apply_options import ApplyOptions  # noqa: PLC0415
         from calib.radiometric.apply_recording import correct_recording  # noqa: PLC0415
-        from calib.radiometric.transmittance import Window  # noqa: PLC0415
+        from calib.radiometric.transmittance import WINDOWS, Window  # noqa: PLC0415
         from service.cli.frames_argument import open_frames  # noqa: PLC0415
         from service.cli.set_output import load_set  # noqa: PLC0415
         from service.cli.stopping import stop_wanted  # noqa: PLC0415
 
         coefficients, validity = load_set(coefficient_set)
         recording = open_frames(frames, coefficients.camera, exposure_us)
+        pane = WINDOWS[window.value] if window else None
         options = ApplyOptions(
-            window=Window(*transmittance) if transmittance else None,
+            window=Window(*transmittance) if transmittance else pane,
             validity=validity,
             at=at.replace(tzinfo=UTC) if at and at.tzinfo is None else at,
             force=force,

@@ -7,9 +7,13 @@ import typer
 
 from service.cli.answering import Json, answering
 from service.cli.progress import progress, share_of
+from service.cli.radiance_options import check_together
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from calib.radiometric.calibration import Calibration
+    from calib.recording.protocol import Recording
 
 
 def calibrate(
@@ -20,6 +24,28 @@ def calibrate(
         Path | None,
         typer.Option(metavar="FILE.csv", help="level,radiance; goes before what blocks state"),
     ] = None,
+    lamp_spectra: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="LAMPS.csv",
+            help="Compute radiances from the lamps' spectra, W m-2 sr-1 nm-1; with"
+            " --spectral-response, instead of --radiances",
+        ),
+    ] = None,
+    spectral_response: Annotated[
+        Path | None,
+        typer.Option(metavar="RESPONSE.csv", help="Of the camera; or the folder of its scan"),
+    ] = None,
+    certificate_std: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SHARE",
+            help="Of the lamps' spectra in common, k = 1; else as the recording states it",
+        ),
+    ] = None,
+    response_correlation_nm: Annotated[
+        float, typer.Option(help="Over which the response's errors go together; 0 for noise")
+    ] = 0.0,
     relative: Annotated[bool, typer.Option("--relative", help="Do without radiances")] = False,
     no_darks: Annotated[bool, typer.Option("--no-darks", help="Do without capped darks")] = False,
     order: Annotated[
@@ -35,23 +61,45 @@ def calibrate(
     report: Annotated[
         Path | None, typer.Option(metavar="FILE.html", help="Figures to judge it by")
     ] = None,
-    store: Annotated[bool, typer.Option("--store", help="Add it to the store, as a draft")] = False,
+    store: Annotated[
+        bool, typer.Option("--store", help="Add set and recording to the store; the set as a draft")
+    ] = False,
     json: Json = None,
 ) -> None:
     """Determine DN0, VE and QE of every column, with their uncertainty (AgCam)."""
+    check_together(
+        radiances,
+        lamp_spectra,
+        spectral_response,
+        relative=relative,
+        only_spectra=(certificate_std, response_correlation_nm or None),
+    )
     with answering(json) as answer:
         from calib.radiometric.calibrate import calibrate as determine  # noqa: PLC0415
         from calib.recording.open import open_recording  # noqa: PLC0415
         from calib.recording.tone import Tone  # noqa: PLC0415
-        from service.cli.radiance_csv import read_radiances  # noqa: PLC0415
+        from service.cli.radiance_arguments import level_radiances  # noqa: PLC0415
         from service.cli.set_output import save_set  # noqa: PLC0415
 
+        if store:
+            _check_store()
         opened = open_recording(recording)
         known_tone = Tone(*tone) if tone else None
+        known = level_radiances(
+            opened.header,
+            table=radiances,
+            lamp_spectra=lamp_spectra,
+            spectral_response=spectral_response,
+            certificate_std=certificate_std,
+            correlation_nm=response_correlation_nm,
+        )
         with progress("Calibrating") as tell:
             calibration = determine(
                 opened,
-                radiances=read_radiances(radiances) if radiances else None,
+                radiances=known.by_level,
+                radiance_unit=known.unit,
+                source=known.source,
+                origin=known.origin,
                 tone=known_tone,
                 order=order,
                 relative=relative,
@@ -66,11 +114,27 @@ def calibrate(
             write_calibration_report(report, opened, calibration, known_tone)
             told["report"] = str(report)
         if store:
-            from service.cli.opened_store import opened_store, who  # noqa: PLC0415
-
-            with opened_store() as sets:
-                sets.sets.add(calibration.coefficients, by=who())
+            _keep(opened, calibration)
         answer.give(told, lambda console: show_calibration(console, told))
+
+
+def _check_store() -> None:
+    """Say before the long work, and not after it, that the store takes nothing."""
+    from service.cli.opened_store import opened_store  # noqa: PLC0415
+
+    with opened_store() as store:
+        store.check_writable()
+
+
+def _keep(recording: "Recording", calibration: "Calibration") -> None:
+    """Make the recording known to the store, and the set that comes from it a draft."""
+    from service.cli.known_recording import make_known  # noqa: PLC0415
+    from service.cli.opened_store import opened_store, who  # noqa: PLC0415
+
+    digest = calibration.coefficients.provenance.recording_digest
+    with opened_store() as store:
+        make_known(store, recording, by=who(), digest=digest)
+        store.sets.add(calibration.coefficients, by=who())
 
 
 def show_calibration(console: "Console", told: dict[str, Any]) -> None:

@@ -4,6 +4,7 @@ import typer
 
 from service.cli.commands import (
     store_add,
+    store_add_recording,
     store_certify,
     store_list,
     store_lookup,
@@ -13,11 +14,12 @@ from service.cli.commands import (
 )
 
 store = typer.Typer(
-    help="Coefficient sets: draft, verified, certified, superseded or revoked.",
+    help="Coefficient sets (draft, verified, certified, superseded or revoked) and recordings.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
 store.command("add")(store_add.add)
+store.command("add-recording")(store_add_recording.add_recording)
 store.command("list")(store_list.list_sets)
 store.command("show")(store_show.show)
 store.command("verify")(store_verify.verify)
