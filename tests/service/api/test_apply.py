@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
-from httpx import Response
 
 from calib.radiometric.apply import Correction
 from service.settings import Settings
@@ -37,11 +36,10 @@ def set_id(store: Store) -> str:
     return certified(store, a_set(), day(1), day(12)).id
 
 
-def apply(client: TestClient, set_id: str, body: bytes, **changes: Any) -> Response:
+def apply(client: TestClient, set_id: str, body: bytes, **changes: Any) -> Any:
     taken = {key: value for key, value in {**TAKEN, **changes}.items() if value is not None}
     place = f"/v1/coefficient-sets/{set_id}/apply"
-    answer: Response = client.post(place, params=taken, content=body, headers=NPY)
-    return answer
+    return client.post(place, params=taken, content=body, headers=NPY)
 
 
 @pytest.mark.parametrize("dtype", ["<u2", ">u2"])

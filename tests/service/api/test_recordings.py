@@ -4,11 +4,11 @@ import io
 import stat
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import h5py
 import pytest
 from fastapi.testclient import TestClient
-from httpx import Response
 
 from calib.recording.commit_log import commit_path
 from calib.recording.open import open_recording
@@ -18,9 +18,8 @@ from tests.service.api.packing import as_files, as_folder, packed
 ZIP = {"Content-Type": "application/zip"}
 
 
-def upload(client: TestClient, body: bytes, **parameters: str) -> Response:
-    answer: Response = client.post("/v1/recordings", content=body, headers=ZIP, params=parameters)
-    return answer
+def upload(client: TestClient, body: bytes, **parameters: str) -> Any:
+    return client.post("/v1/recordings", content=body, headers=ZIP, params=parameters)
 
 
 def test_a_recording_comes_in_as_file_or_folder_and_is_the_same(
