@@ -19,9 +19,10 @@ def describe(plan: Plan, *, columns: int | None = None) -> str:
     ahead = estimate(plan, steps, columns=width or 1)
     size = f"{ahead.n_bytes / 1e6:.1f} MB" if width else _SIZE_UNKNOWN
     total = (
-        f"{len(steps)} blocks, {sum(step.lines for step in steps)} lines:"
-        f" {in_words(ahead.exposing_s)} exposing,"
-        f" at least {in_words(ahead.waiting_s)} waiting for lamps; {size}"
+        f"{len(steps)} blocks, {sum(step.lines for step in steps)} lines: at least"
+        f" {in_words(ahead.total_s)}, of these {in_words(ahead.exposing_s)} exposing,"
+        f" {in_words(ahead.waiting_s)} waiting for lamps,"
+        f" {in_words(ahead.reading_s)} reading them back; {size}"
     )
     return "\n".join([*(step.line for step in steps), total])
 

@@ -1,7 +1,6 @@
 """The recording header that a plan stands for."""
 
 from datetime import datetime
-from math import ceil
 from typing import Any
 
 from calib.recording.header import Block, CameraHeader, RecordingHeader, SourceHeader
@@ -52,5 +51,4 @@ def recording_header(
 
 def _source(plan: Plan) -> SourceHeader:
     known = plan.source.model_dump(exclude={"radiance", "lamps"})
-    lamps = plan.source.lamps if plan.source.lamps is not None else ceil(max(plan.levels()))
-    return SourceHeader(lamps=lamps, **known)
+    return SourceHeader(lamps=plan.lamp_count, **known)

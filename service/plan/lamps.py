@@ -16,8 +16,10 @@ class LampUse(PlanPart):
     """`keep`: they burn on, behind the cap of a dark too. `off_between_blocks`: off after each."""
     per_level: dict[float, LampMode] = Field(default_factory=dict)
     """The mode of single levels, e.g. `{ 6 = "off_between_blocks" }`."""
-    ramp_s: float = Field(default=2.0, ge=0)
-    """What a change of level takes; for the time estimate only."""
+    ramp_s: float = Field(default=1.3, ge=0)
+    """What lighting one lamp, or putting one out, takes; for the time estimate only."""
+    read_back_s: float = Field(default=0.2, ge=0)
+    """What reading one lamp's supply back takes on its line; for the time estimate only."""
 
     def mode_at(self, level: float) -> LampMode:
         """Return how lamps are held after a block at `level`."""

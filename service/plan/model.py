@@ -3,6 +3,7 @@
 import hashlib
 import json
 import tomllib
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -133,6 +134,11 @@ class Plan(PlanPart):
     def levels(self) -> tuple[float, ...]:
         """Return the levels of the sweep, each once, in the order of first use."""
         return tuple(dict.fromkeys(level for _, level in self._conditions()))
+
+    @property
+    def lamp_count(self) -> int:
+        """How many lamps the source has; as many as the highest level needs where unsaid."""
+        return ceil(max(self.levels())) if self.source.lamps is None else self.source.lamps
 
     def _conditions(self) -> list[tuple[float, float]]:
         if isinstance(self.sweep, Listed):

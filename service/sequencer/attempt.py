@@ -17,7 +17,7 @@ from service.sequencer.exposure import Exposure, conditions
 from service.sequencer.interlocks import check_monitor, check_temperature
 from service.sequencer.look_ahead import predicted_dn
 from service.sequencer.pace import Pace
-from service.sequencer.read_back import ReadBack, read_back
+from service.sequencer.read_back import ReadBack
 from service.sequencer.skipped import skipped_blocks, skipped_note
 from service.sequencer.surroundings import Surroundings
 
@@ -96,21 +96,20 @@ class Attempt:
         self._surroundings.set_for(step)
         wanted = camera_settings(self._plan, self._bench, step.block.exposure_us)
         used = self._bench.camera.configure(wanted)
-        before = self._checked(step, "before")
+        before = self._checked(step, before=True)
         self._say(f"recording {step.line}")
         started_s = self._clock.monotonic() - self._origin_s
         look = self._exposure.take(step, used, before)
-        after = self._checked(step, "after")
+        after = self._checked(step, before=False)
         brightest_dn = self._brightest.of(look.mean_dn(), dark=step.capped)
         self._writer.end_block(
             conditions(step, used, before, after, started_s=started_s, brightest_dn=brightest_dn)
         )
 
-    def _checked(self, step: Step, when: str) -> ReadBack:
+    def _checked(self, step: Step, *, before: bool) -> ReadBack:
         """Read the bench back; raise where the run must not go on."""
-        now = read_back(self._bench)
-        where = f"{when} block {step.block.block}"
-        self._surroundings.check_burning(step, now.light)
+        now = self._surroundings.read_back(step, before=before)
+        where = f"{'before' if before else 'after'} block {step.block.block}"
         check_temperature(self._plan.interlocks, now.temperature_c, where)
         if not step.capped and step.burning > 0:
             check_monitor(self._plan.interlocks, now.monitor_a, where)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from statistics import median
 
-from service.plan.estimate import exposing_s, waiting_s
+from service.plan.estimate import step_s
 from service.plan.model import Plan
 from service.plan.step import Step
 from service.sequencer.clock import Clock
@@ -12,8 +12,8 @@ from service.sequencer.clock import Clock
 class Pace:
     """Adds to the plan's own estimate what a typical step took beyond it so far.
 
-    Reading a bench back takes time that no plan knows; a lamp that warmed up for minutes once is
-    no reason to expect that of every block, hence the median.
+    No plan knows how fast a bench's lines are; a lamp that warmed up for minutes once is no reason
+    to expect that of every block, hence the median.
     """
 
     def __init__(
@@ -58,4 +58,4 @@ class Pace:
     def _estimate_s(self, index: int) -> float:
         step = self._steps[index]
         previous = self._steps[index - 1] if index else None
-        return exposing_s(self._plan, step) + waiting_s(self._plan, step, previous)
+        return step_s(self._plan, step, previous)

@@ -26,11 +26,17 @@ class ReadBack:
         return tuple(lamp.current_a for lamp in self.light.lamps)
 
 
-def read_back(bench: Bench) -> ReadBack:
-    """Ask every device; raises what the devices raise."""
+def read_back(bench: Bench, known: LightState | None = None) -> ReadBack:
+    """Ask every device; raises what the devices raise.
+
+    Args:
+        bench: Whose devices.
+        known: The lamps, where they were read just before and nothing was done to them since:
+            asking each supply on a slow line takes seconds.
+    """
     monitor = bench.monitor
     return ReadBack(
-        light=bench.light.state(),
+        light=bench.light.state() if known is None else known,
         monitor_a=None if monitor is None else monitor.read().current_a,
         temperature_c=bench.camera.temperature_c(),
     )

@@ -80,6 +80,8 @@ def _tell_steps(plan: "Plan", answer: Answer) -> None:
         ],
         "exposing_s": ahead.exposing_s,
         "waiting_s": ahead.waiting_s,
+        "reading_s": ahead.reading_s,
+        "total_s": ahead.total_s,
         "bytes": ahead.n_bytes if plan.camera.columns else None,
     }
     answer.give(content, lambda console: console.print(describe(plan), markup=False))

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 import pytest
 
 from calib.errors import DarkflatError
+from calib.recording.file_recording import FileRecording
 from service.bench import Bench
 from service.sequencer.run import run_plan
 from tests.service.sequencer.benches import assert_dark, short_plan, whole_blocks
@@ -47,7 +48,7 @@ LIMITS = {"interlocks": {"camera_temperature_c": [10.0, 50.0]}}
 FAULTS: dict[str, tuple[Callable[[Bench], None], str, str]] = {
     "camera unplugged": (_camera_gone, "control-lost", "camera"),
     "frames lost": (_frames_lost, "frames-lost", "were lost"),
-    "lamp out": (_lamp_out, "lamp-out", "off: lamp 1"),
+    "lamp out": (_lamp_out, "lamp-out", "lamp 1 is off"),
     "monitor unplugged": (_monitor_gone, "device-lost", "monitor"),
     "monitor out of range": (_monitor_overflow, "monitor-overflow", "range"),
     "camera too hot": (_too_hot, "interlock", "61.0 °C"),
@@ -99,6 +100,59 @@ def test_a_run_that_failed_goes_on_once_the_fault_is_mended(bench, out, inject):
     result = run_plan(bench, short_plan(**LIMITS), out, resume=True)
     assert result.state == "succeeded"
     assert whole_blocks(out) == dict.fromkeys(("000", "001", "002", "003"), 32)
+    assert_dark(bench.world)
+
+
+TWO_LAMPS = {"sweep": {"type": "exposure", "exposures_us": [50.0, 100.0], "level": 2}}
+
+
+def _second_lamp_out(bench: Bench) -> None:
+    bench.light.brown_out(2)
+
+
+def _first_lamp_dim(bench: Bench) -> None:
+    bench.light._drive(1, 3.0)
+
+
+def _third_lamp_lit(bench: Bench) -> None:
+    bench.light._drive(3, 4.0)
+
+
+WRONG_LAMPS = {
+    "one of two goes out": (_second_lamp_out, "but level 1 reads back (lamp 2 is off)"),
+    "its mains sag": (_first_lamp_dim, "but level 1 reads back (lamp 1 is at 3 A, not 4 A)"),
+    "one burns too many": (_third_lamp_lit, "but level 3 reads back (lamp 3 is on)"),
+}
+
+
+@pytest.mark.parametrize(("inject", "said"), WRONG_LAMPS.values(), ids=WRONG_LAMPS)
+def test_a_lamp_that_changes_in_the_middle_of_a_block_is_named_and_the_block_is_not_whole(
+    bench, out, inject, said
+):
+    with pytest.raises(DarkflatError) as caught:
+        run_plan(
+            bench, short_plan(**TWO_LAMPS), out, on_progress=at_frame(6, lambda: inject(bench))
+        )
+    assert caught.value.code == "lamp-out"
+    assert "level 2 should burn in block 001" in str(caught.value)
+    assert said in str(caught.value)
+    assert set(whole_blocks(out)) == {"000"}
+    begun = [frame.block for frame in FileRecording(out).commits.every_frame]
+    assert begun.count("001") == 4  # all of its frames came, and none of them counts
+    assert_dark(bench.world)
+
+
+def test_light_that_drifts_beyond_the_interlock_within_a_block_spoils_the_block(bench, out):
+    """The supplies read back as they should: only the monitor sees it."""
+    limits = {"interlocks": {"monitor_a": [1.5e-7, 2.5e-7]}}
+
+    def half_as_bright():
+        bench.world.drive(0, 0.5)
+
+    with pytest.raises(DarkflatError, match="after block 001: the monitor reads") as caught:
+        run_plan(bench, short_plan(**limits), out, on_progress=at_frame(6, half_as_bright))
+    assert caught.value.code == "interlock"
+    assert set(whole_blocks(out)) == {"000"}
     assert_dark(bench.world)
 
 

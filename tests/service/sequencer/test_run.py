@@ -117,3 +117,33 @@ def test_lamps_go_off_between_blocks_where_the_plan_says_so(bench, out):
 def test_all_columns_are_taken_where_the_plan_names_none(bench, out):
     run_plan(bench, short_plan(camera={"line_period_us": 1000.0}), out)
     assert FileRecording(out).header.camera.columns == Model.preset("demo").camera.columns
+
+
+class CountedLight:
+    """A light that counts how often it was asked for its state from outside."""
+
+    def __init__(self, light):
+        self._light = light
+        self.asked = 0
+
+    def __getattr__(self, name):
+        return getattr(self._light, name)
+
+    def state(self):
+        self.asked += 1
+        return self._light.state()
+
+
+def test_lamps_are_read_back_once_per_block_and_once_the_light_is_steady(bench, out):
+    """A chain of supplies on one line takes seconds, each time."""
+    bench.light = CountedLight(bench.light)
+    levels = {"type": "factorial", "exposures_us": [50.0, 100.0], "levels": [1, 2, 3]}
+    result = run_plan(bench, short_plan(sweep=levels, order="level_major"), out)
+    assert bench.light.asked == result.blocks_total + 3
+
+
+def test_lamps_are_read_back_again_after_a_wait_of_the_plan(bench, out):
+    bench.light = CountedLight(bench.light)
+    blocks = [{"exposure_us": 50.0, "level": 1, "wait_s": 0.01}] * 3
+    run_plan(bench, short_plan(sweep={"type": "listed", "blocks": blocks}), out)
+    assert bench.light.asked == 2 * 3
