@@ -21,6 +21,7 @@ from calib.radiometric.uniformity import (
 )
 from calib.radiometric.vignette import ORDERS
 from calib.recording.block_statistics import RecordingStatistics
+from calib.recording.digest import DigestedWhileRead
 from calib.recording.header import RecordingHeader
 from calib.recording.protocol import Recording
 from calib.recording.statistics import column_statistics, never
@@ -68,6 +69,7 @@ def calibrate(
     """
     choices = Choices(radiances, source, order, relative, darks_required)
     check_recording(recording.header, choices)
+    recording = DigestedWhileRead(recording)
     statistics = column_statistics(
         recording,
         tone=tone,

@@ -1,16 +1,15 @@
 """A recording that lives in memory, drawn by the forward model."""
 
-import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 from numpy.random import Generator
 
 from calib.arrays import RawLines
 from calib.forward.model import Model
 from calib.forward.simulate import simulate
+from calib.recording.digest import digest_of
 from calib.recording.header import Block, RecordingHeader
 
 
@@ -27,11 +26,7 @@ class InMemory:
         yield from self.stretches[block]
 
     def digest(self) -> str:
-        digest = hashlib.sha256(self.header.model_dump_json().encode())
-        for frames in self.stretches.values():
-            for frame in frames:
-                digest.update(np.ascontiguousarray(frame).tobytes())
-        return digest.hexdigest()
+        return digest_of(self)
 
 
 def record(model: Model, blocks: Sequence[Block], rng: Generator, lines: int) -> InMemory:
