@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 
 from calib.radiometric.band_radiance import band_radiance
 from calib.radiometric.band_radiance_spectra import LampSpectra
-from calib.radiometric.report.style import BLUE, GREY, ORANGE, house_style, new_figure
+from calib.radiometric.report.spectral import draw_response, draw_shifts
+from calib.radiometric.report.style import GREY, ORANGE, house_style, new_figure
 from calib.radiometric.spectral_response import SpectralResponse
-from calib.radiometric.spectral_response_angles import AngleComparison, angular_variation
+from calib.radiometric.spectral_response_angles import angular_variation
 from calib.radiometric.spectral_response_scan import SpectralScan
 
 ANGLES_DEG = (-4.0, -2.0, 0.0, 2.0, 4.0)
@@ -88,42 +89,21 @@ def tungsten_lamps(path: Path, n_lamps: int = 6) -> None:
     write(path, f"wavelength_nm {names}", np.column_stack([wavelength_nm, radiance.T]).tolist())
 
 
-def draw_response(axes: Axes, response: SpectralResponse, spectra: LampSpectra) -> None:
-    """Show the response at normal incidence with its uncertainty, and a lamp's spectrum."""
-    nm = response.wavelength_nm
-    low, high = response.response - 2 * response.std, response.response + 2 * response.std
-    axes.fill_between(nm, low, high, color=BLUE, alpha=0.25, linewidth=0, label="± 2 std")
-    axes.plot(nm, response.response, color=BLUE, marker=".", markersize=3, label="response at 0°")
-    shape = np.interp(nm, spectra.wavelength_nm, spectra.radiance[0])
-    axes.plot(nm, shape / shape.max(), color=ORANGE, label="spectrum of lamp 1, relative")
-    left, right = response.half_maximum_nm
-    axes.annotate("", (left, 0.5), (right, 0.5), arrowprops={"arrowstyle": "<->", "color": GREY})
-    width, leak = response.fwhm_nm, response.out_of_band_fraction
-    text = f"FWHM {width.value:.1f} ± {width.std:.1f} nm"
-    if leak is not None:
-        text += f"\nout of band {100 * leak.value:.2f} ± {100 * leak.std:.2f} %"
-    axes.text((left + right) / 2, 0.52, text, ha="center", va="bottom")
-    axes.set(title="(a) relative spectral response", xlabel="wavelength (nm)", ylim=(-0.05, 1.3))
+def draw_lamp(axes: Axes, spectra: LampSpectra, wavelength_nm: Numbers) -> None:
+    """Show a lamp's spectrum beside the response."""
+    shape = np.interp(wavelength_nm, spectra.wavelength_nm, spectra.radiance[0])
+    label = "spectrum of lamp 1, relative"
+    axes.plot(wavelength_nm, shape / shape.max(), color=ORANGE, label=label)
+    axes.set(title="(a) relative spectral response")
     axes.legend(loc="upper left", ncols=3, columnspacing=1.0)
 
 
-def draw_shifts(axes: Axes, angles: Sequence[AngleComparison]) -> None:
-    """Show how far the band's centroid moves with the angle of incidence."""
-    x = [angle.angle_deg for angle in angles]
-    y = [angle.centroid_shift_nm.value for angle in angles]
-    axes.errorbar(x, y, [2 * a.centroid_shift_nm.std for a in angles], fmt="o", capsize=3)
-    for angle in angles:
-        axes.annotate(
-            f"{angle.significance_sigma:+.1f} σ", (angle.angle_deg, angle.centroid_shift_nm.value),
-            xytext=(6, 8), textcoords="offset points", color=GREY, fontsize=8,
-        )  # fmt: skip
+def draw_expected_shift(axes: Axes) -> None:
+    """Show what an interference filter does."""
     fine = np.linspace(-4.5, 4.5, 91)
     expected = -835 * (np.sin(np.deg2rad(fine)) / 2.0) ** 2 / 2
     axes.plot(fine, expected, color=GREY, linewidth=1, label="filter of index 2")
-    axes.axhline(0, color=GREY, linewidth=0.7)
-    axes.set(
-        title="(b) shift of the centroid, ± 2 std", xlabel="angle of incidence (°)", ylabel="nm"
-    )
+    axes.set(title="(b) shift of the centroid, ± 2 std")
     axes.set_xlim(-5, 6.5)
     axes.legend(loc="lower center")
 
@@ -143,8 +123,10 @@ def draw(scan: SpectralScan, spectra: LampSpectra) -> Figure:
     """Return the figure."""
     figure = new_figure(11.0, 3.6)
     response, shifts, levels = figure.subplots(1, 3, width_ratios=[1.7, 1, 1])
-    draw_response(response, scan.at_angle(0.0), spectra)
+    draw_response(response, scan.at_angle(0.0), 0.0)
+    draw_lamp(response, spectra, scan.wavelength_nm)
     draw_shifts(shifts, angular_variation(scan))
+    draw_expected_shift(shifts)
     draw_levels(levels, spectra, scan.at_angle(0.0))
     return figure
 

@@ -49,7 +49,7 @@ def draw_shifts(axes: Axes, angles: Sequence[AngleComparison]) -> None:
         )  # fmt: skip
     axes.axhline(0, color=GREY, linewidth=0.7)
     axes.set(title="Shift of the centroid, ± 2 std", xlabel="angle of incidence (°)", ylabel="nm")
-    axes.margins(x=0.15)
+    axes.margins(x=0.3)
 
 
 def _mark_width(axes: Axes, response: SpectralResponse) -> None:

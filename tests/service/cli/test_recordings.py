@@ -158,6 +158,38 @@ def test_apply_writes_radiance_uncertainty_and_flags(
     assert abs(radiance.mean() - block.radiance) < 5 * expected_std + 0.02 * block.radiance
 
 
+@pytest.mark.parametrize(
+    ("window", "transmittance"),
+    [
+        (("--transmittance", 0.5, 0.01), 0.5),
+        (("--window", "destiny-red"), 0.980),
+        (("--window", "destiny-nir"), 0.934),
+    ],
+)
+def test_a_window_is_divided_out(
+    run: Run, recording_file: Path, set_file: Path, window: tuple[object, ...], transmittance: float
+) -> None:
+    radiance = {}
+    for name, more in (("without", ()), ("with", window)):
+        out = set_file.with_name(f"{name}.h5")
+        frames = (recording_file, "--block", "003")
+        assert run("apply", set_file, *frames, "--out", out, *more).status == 0
+        with h5py.File(out) as file:
+            radiance[name] = file["blocks/003/radiance"][()]
+    ratio = radiance["without"] / radiance["with"]
+    np.testing.assert_allclose(ratio, transmittance, rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    "window",
+    [("--window", "glass"), ("--window", "destiny-nir", "--transmittance", 0.9, 0.01)],
+)
+def test_a_window_that_is_not_known_or_two_of_them_are_wrong_usage(
+    run: Run, window: tuple[object, ...]
+) -> None:
+    assert run("apply", "set.h5", "lines.npy", "--out", "out.h5", *window).status == 2
+
+
 def test_bare_lines_are_corrected_as_those_of_the_recording(
     run: Run, recording_file: Path, tmp_path: Path, set_file: Path
 ) -> None:

@@ -16,6 +16,7 @@ Run = Callable[..., Ran]
 DARKFLAT = (sys.executable, "-c", "from service.cli import main; main()")
 COMMANDS = (
     "demo", "serve", "doctor", "sweep", "import", "export", "calibrate", "apply", "simulate",
+    "spectral-response",
 )  # fmt: skip
 
 
@@ -52,7 +53,9 @@ def test_wrong_usage_is_status_2(run: Run, arguments: tuple[str, ...]) -> None:
         ("simulate", "nowhere.toml", "nowhere.toml", "--out", "rec.h5"),
         ("simulate", "nopreset", "nowhere.toml", "--out", "rec.h5"),
         ("apply", "nowhere.h5", "nowhere.h5", "--out", "out.h5"),
+        ("spectral-response", "nowhere", "--out", "response.csv"),
         ("store", "add", "nowhere.h5"),
+        ("store", "add-recording", "nowhere.h5"),
         ("store", "show", "0123456789"),
         ("serve", "--host", "0.0.0.0"),  # noqa: S104
     ],
