@@ -72,6 +72,7 @@ def fit_lines(
     return LineFit(*fitted.astype(precision, copy=False))
 
 
+_TILE = 512
 _SHORT = (np.dtype(np.float32), np.dtype(np.uint8), np.dtype(np.uint16))
 
 
@@ -150,35 +151,40 @@ def _combine(rows, for_offset, for_slope, offset, slope):  # type: ignore[no-unt
         slope[column] = gradient
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _fit_columns(means, weights, exposures, fitted):  # type: ignore[no-untyped-def]
-    """Fit each column with its own weights; `fitted` is (5, n_columns), in LineFit's order."""
-    for column in range(means.shape[1]):
-        total = 0.0
-        moment = 0.0
+    """Fit each column with its own weights; `fitted` is (5, n_columns), in LineFit's order.
+
+    Exposure by exposure over a few hundred columns at once, which makes vector instructions.
+    """
+    width = min(_TILE, means.shape[1])
+    total, centre, level, spread, product, lowest, highest = np.empty((7, width))
+    for left in range(0, means.shape[1], _TILE):
+        right = min(left + _TILE, means.shape[1])
+        total[:], centre[:], level[:], spread[:], product[:] = 0, 0, 0, 0, 0
+        lowest[:], highest[:] = np.inf, -np.inf
         for k in range(len(exposures)):
-            total += weights[k, column]
-            moment += weights[k, column] * exposures[k]
-        fitted[:, column] = np.nan
-        if total <= 0:
-            continue
-        centre = moment / total
-        spread = 0.0
-        level = 0.0
-        product = 0.0
-        lowest, highest = np.inf, -np.inf
+            exposure, weight = exposures[k], weights[k, left:right]
+            for i in range(right - left):
+                total[i] += weight[i]
+                centre[i] += weight[i] * exposure
+                lowest[i] = min(lowest[i], exposure if weight[i] > 0 else np.inf)
+                highest[i] = max(highest[i], exposure if weight[i] > 0 else -np.inf)
+        for i in range(right - left):
+            centre[i] /= total[i]
         for k in range(len(exposures)):
-            weight = weights[k, column]
-            if weight > 0:
-                spread += weight * (exposures[k] - centre) ** 2
-                level += weight * means[k, column]
-                product += weight * (exposures[k] - centre) * means[k, column]
-                lowest = min(lowest, exposures[k])
-                highest = max(highest, exposures[k])
-        if highest <= lowest:
-            continue
-        fitted[1, column] = product / spread
-        fitted[0, column] = level / total - centre * fitted[1, column]
-        fitted[2, column] = 1 / total + centre**2 / spread
-        fitted[3, column] = 1 / spread
-        fitted[4, column] = -centre / spread
+            exposure, weight, mean = exposures[k], weights[k, left:right], means[k, left:right]
+            for i in range(right - left):
+                away = exposure - centre[i]
+                weighted = weight[i] * mean[i] if weight[i] > 0 else 0.0
+                spread[i] += weight[i] * away * away
+                level[i] += weighted
+                product[i] += weighted * away
+        for i in range(right - left):
+            known = 0.0 if highest[i] > lowest[i] else np.nan
+            slope = product[i] / spread[i] + known
+            fitted[0, left + i] = level[i] / total[i] - centre[i] * slope
+            fitted[1, left + i] = slope
+            fitted[2, left + i] = 1 / total[i] + centre[i] ** 2 / spread[i] + known
+            fitted[3, left + i] = 1 / spread[i] + known
+            fitted[4, left + i] = -centre[i] / spread[i] + known
