@@ -7,12 +7,13 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Barrier
 
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import text
+from sqlalchemy import Engine, text
 
 from calib.errors import DarkflatError
 from service.settings import Settings
@@ -68,6 +69,7 @@ def test_the_database_survives_what_kills_its_writer(tmp_path: Path) -> None:
 import os, signal
 from datetime import datetime, UTC
 from pathlib import Path
+from threading import Barrier
 from sqlalchemy import event
 from sqlalchemy.orm import Session
 from service.store.store import Store
@@ -129,6 +131,24 @@ def test_two_processes_may_migrate_at_once(tmp_path: Path) -> None:
         list(pool.map(migrate, engines))
     for engine in engines:
         engine.dispose()
+
+
+def test_many_may_open_a_new_store_at_once(tmp_path: Path) -> None:
+    """SQLite lets one switch the journal and refuses the others, busy timeout or not."""
+
+    def opened(engine: Engine) -> None:
+        begin.wait()
+        with engine.connect():
+            pass
+
+    begin = Barrier(8)
+    for attempt in range(50):
+        url = f"sqlite:///{tmp_path / str(attempt)}"
+        engines = [open_engine(url) for _ in range(begin.parties)]
+        with ThreadPoolExecutor(begin.parties) as pool:
+            list(pool.map(opened, engines))
+        for engine in engines:
+            engine.dispose()
 
 
 def test_a_store_of_a_newer_version_is_refused(tmp_path: Path) -> None:
