@@ -7,17 +7,16 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from threading import Barrier
 
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import Engine, text
+from sqlalchemy import text
 
 from calib.errors import DarkflatError
 from service.settings import Settings
-from service.store.engine import open_engine, reading_session, writing_session
+from service.store.engine import _prepare, open_engine, reading_session, writing_session
 from service.store.errors import OverlapError, StoreError
 from service.store.migrate import HEAD, MIGRATIONS, migrate
 from service.store.state import SetState
@@ -69,7 +68,6 @@ def test_the_database_survives_what_kills_its_writer(tmp_path: Path) -> None:
 import os, signal
 from datetime import datetime, UTC
 from pathlib import Path
-from threading import Barrier
 from sqlalchemy import event
 from sqlalchemy.orm import Session
 from service.store.store import Store
@@ -133,22 +131,26 @@ def test_two_processes_may_migrate_at_once(tmp_path: Path) -> None:
         engine.dispose()
 
 
-def test_many_may_open_a_new_store_at_once(tmp_path: Path) -> None:
-    """SQLite lets one switch the journal and refuses the others, busy timeout or not."""
+class Contended(sqlite3.Connection):
+    """Refused the write-ahead log twice, as SQLite does to the later of two who ask at once."""
 
-    def opened(engine: Engine) -> None:
-        begin.wait()
-        with engine.connect():
-            pass
+    refusals = 2
 
-    begin = Barrier(8)
-    for attempt in range(50):
-        url = f"sqlite:///{tmp_path / str(attempt)}"
-        engines = [open_engine(url) for _ in range(begin.parties)]
-        with ThreadPoolExecutor(begin.parties) as pool:
-            list(pool.map(opened, engines))
-        for engine in engines:
-            engine.dispose()
+    def execute(self, statement: str) -> sqlite3.Cursor:  # type: ignore[override]
+        if "journal_mode" in statement and self.refusals:
+            self.refusals -= 1
+            error = sqlite3.OperationalError("database is locked")
+            error.sqlite_errorcode = sqlite3.SQLITE_BUSY
+            raise error
+        return super().execute(statement)
+
+
+def test_several_may_open_a_new_store_at_once(tmp_path: Path) -> None:
+    connection = sqlite3.connect(tmp_path / "store.sqlite3", factory=Contended)
+    _prepare(connection, None)
+    assert connection.refusals == 0
+    assert connection.execute("PRAGMA journal_mode").fetchone() == ("wal",)
+    connection.close()
 
 
 def test_a_store_of_a_newer_version_is_refused(tmp_path: Path) -> None:
