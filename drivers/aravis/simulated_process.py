@@ -16,7 +16,9 @@ from drivers.errors import DeviceError
 class SimulatedCameraProcess:
     """A context manager: the camera answers at `address` inside the block, and is gone after it.
 
-    It dies with this process, too: its standard input is a pipe that only this process holds.
+    It dies with this process, too: its standard input is a pipe that only this process holds. But
+    not by Ctrl-C at the terminal, which goes to every process of the foreground's group: it has a
+    group of its own, and stays while its client cleans up.
 
     Args:
         model: A model file, or the name of a preset.
@@ -72,6 +74,7 @@ class SimulatedCameraProcess:
             stderr=self._errors,
             text=True,
             bufsize=1,
+            process_group=0,
         )
         self._reader = threading.Thread(
             target=_forward_lines, args=(self._process.stdout, self._answers), daemon=True

@@ -9,6 +9,7 @@ from drivers.mock.world import World
 from drivers.ports import LightSource, LightState, LinescanCamera, Monitor, Shutter, never
 from service.bench.all_off import all_off
 from service.bench.shielded import shielded
+from service.bench.simulated import Simulated
 
 
 class Bench:
@@ -22,7 +23,7 @@ class Bench:
         shutter: Caps the camera for darks.
         caps_by_lamps_off: True where a dark means that the lamps are off.
         sensor_columns: How many columns the camera has, where the bench file's model says so.
-        world: What the simulated devices share; None on real hardware.
+        simulated: What stands in for hardware, and injects its faults; None on real hardware.
     """
 
     def __init__(
@@ -35,7 +36,7 @@ class Bench:
         monitor: Monitor | None = None,
         caps_by_lamps_off: bool = False,
         sensor_columns: int | None = None,
-        world: World | None = None,
+        simulated: Simulated | None = None,
     ) -> None:
         self.id = bench_id
         self.camera = camera
@@ -44,11 +45,16 @@ class Bench:
         self.shutter = shutter
         self.caps_by_lamps_off = caps_by_lamps_off
         self.sensor_columns = sensor_columns
-        self.world = world
+        self.simulated = simulated
         self._resources = ExitStack()
         self._afterwards = ExitStack()
         self._is_open = True
         self._asked_to_end: Callable[[], bool] = never
+
+    @property
+    def world(self) -> World | None:
+        """What the simulated devices share; None on real hardware."""
+        return None if self.simulated is None else self.simulated.world
 
     @property
     def is_ending(self) -> bool:

@@ -63,7 +63,7 @@ def _open_devices(settings: BenchSettings, resources: ExitStack, ask: Ask | None
         shutter=shutter,
         caps_by_lamps_off=settings.shutter.driver == "lamps_off",
         sensor_columns=_sensor_columns(settings, simulated),
-        world=None if simulated is None else simulated.world,
+        simulated=simulated,
     )
 
 

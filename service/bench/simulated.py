@@ -2,17 +2,18 @@
 
 import tempfile
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drivers.errors import DeviceError
 from drivers.mock.world import World
-from service.bench.own_interrupts import interrupts_kept_from_children
 from service.bench.settings import BenchSettings, Simulation
 
-if TYPE_CHECKING:  # it compiles kernels, which a bench of hardware does not need
+if TYPE_CHECKING:  # not what a bench of hardware should have to import
     from calib.forward.model import Model
+    from drivers.aravis.simulated_process import SimulatedCameraProcess
+    from drivers.mock.emulators.process import EmulatorProcess
 
 
 @dataclass(frozen=True)
@@ -22,14 +23,21 @@ class Simulated:
     Attributes:
         simulation: As the bench file describes it.
         world: What burns in it, and whether the lens is capped.
-        ports: Of the emulated controllers, by name.
-        camera_address: Of the simulated GigE Vision camera.
+        emulators: The process with the emulated controllers, which injects their faults; None
+            where there is none.
+        camera: The process with the simulated GigE Vision camera, which injects its faults; None
+            where there is none.
     """
 
     simulation: Simulation
     world: World
-    ports: dict[str, str] = field(default_factory=dict)
-    camera_address: str = ""
+    emulators: "EmulatorProcess | None" = None
+    camera: "SimulatedCameraProcess | None" = None
+
+    @property
+    def camera_address(self) -> str:
+        """Where the simulated GigE Vision camera answers."""
+        return "" if self.camera is None else self.camera.address
 
     def model(self) -> "Model":
         """Return the forward model that its camera shows."""
@@ -40,13 +48,14 @@ class Simulated:
 
     def port(self, name: str) -> str:
         """Return the port of the emulated controller `name`."""
-        if name not in self.ports:
+        port = None if self.emulators is None else self.emulators.ports[name]
+        if port is None:
             raise DeviceError(
                 f"the simulated bench has no {name}; name its port in the bench file",
                 device=name,
                 code="no-such-emulator",
             )
-        return self.ports[name]
+        return port
 
 
 def start_simulated(settings: BenchSettings, resources: ExitStack) -> Simulated | None:
@@ -57,14 +66,12 @@ def start_simulated(settings: BenchSettings, resources: ExitStack) -> Simulated 
     has_led = settings.light.driver == "mightex"
     n_lamps = 0 if has_led else simulation.lamps
     world = _world(simulation, n_lamps + has_led, resources)
-    ports: dict[str, str] = {}
-    address = ""
-    with interrupts_kept_from_children():
-        if settings.needs_emulators:
-            ports = _start_emulators(simulation, world, n_lamps, resources, led=has_led)
-        if settings.needs_simulated_camera:
-            address = _start_camera(simulation, world, resources)
-    return Simulated(simulation, world, ports, address)
+    emulators = camera = None
+    if settings.needs_emulators:
+        emulators = _start_emulators(simulation, world, n_lamps, resources, led=has_led)
+    if settings.needs_simulated_camera:
+        camera = _start_camera(simulation, world, resources)
+    return Simulated(simulation, world, emulators, camera)
 
 
 def _world(simulation: Simulation, n_lamps: int, resources: ExitStack) -> World:
@@ -80,7 +87,7 @@ def _world(simulation: Simulation, n_lamps: int, resources: ExitStack) -> World:
 
 def _start_emulators(
     simulation: Simulation, world: World, n_lamps: int, resources: ExitStack, *, led: bool
-) -> dict[str, str]:
+) -> "EmulatorProcess":
     from drivers.mock.emulators.process import EmulatorProcess  # noqa: PLC0415
 
     options = ["--tau-s", str(simulation.warm_up_s)]
@@ -88,10 +95,12 @@ def _start_emulators(
         options += ["--seed", str(simulation.seed)]
     process = EmulatorProcess(world.path, lamps=n_lamps, led=led, options=tuple(options))
     resources.callback(process.close)
-    return {name: port for name, port in process.ports.items() if port is not None}
+    return process
 
 
-def _start_camera(simulation: Simulation, world: World, resources: ExitStack) -> str:
+def _start_camera(
+    simulation: Simulation, world: World, resources: ExitStack
+) -> "SimulatedCameraProcess":
     from drivers.aravis.simulated_process import SimulatedCameraProcess  # noqa: PLC0415
 
     process = SimulatedCameraProcess(
@@ -102,4 +111,4 @@ def _start_camera(simulation: Simulation, world: World, resources: ExitStack) ->
         seed=simulation.seed,
         wait_s=simulation.camera_wait_s,
     )
-    return resources.enter_context(process).address
+    return resources.enter_context(process)

@@ -15,6 +15,9 @@ _STOP_S = 5.0
 class EmulatorProcess:
     """Runs `python -m drivers.mock.emulators` while the context lasts.
 
+    In a process group of its own: Ctrl-C at a terminal goes to every process of the foreground's,
+    and lamps must outlive it, or whoever lit them could not switch them off.
+
     Attributes:
         ports: The paths to open: `lamps`, `led`, `monitor`, `shutter`; None where there is none.
         pid: The process.
@@ -27,7 +30,11 @@ class EmulatorProcess:
         command = [sys.executable, "-m", "drivers.mock.emulators", "--control"]
         command += ["--world", str(world), "--lamps", str(lamps), *(["--led"] if led else [])]
         self._process = subprocess.Popen(  # noqa: S603 (our own module)
-            [*command, *options], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+            [*command, *options],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            process_group=0,
         )
         self.pid = self._process.pid
         try:
