@@ -8,6 +8,7 @@ which the system drops when the process dies, however it dies.
 import fcntl
 import json
 import os
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -17,6 +18,9 @@ from calib.errors import InputError
 from calib.recording.durable import disk_errors
 
 Entry = dict[str, Any]
+
+_LOCK_TRIES = 5
+_LOCK_PAUSE_S = 0.01
 
 
 def commit_path(recording: Path) -> Path:
@@ -69,6 +73,30 @@ def _parse(line: bytes, number: int, path: Path) -> Entry | None:
     return entry
 
 
+def is_being_written(path: Path) -> bool:
+    """Tell whether a writer holds the lock on the commit record at `path`."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(descriptor)
+    return False
+
+
+def _lock(descriptor: int) -> bool:
+    """Take the writer's lock; a reader that just asks `is_being_written` is waited for."""
+    for _ in range(_LOCK_TRIES):
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            time.sleep(_LOCK_PAUSE_S)
+        else:
+            return True
+    return False
+
+
 class CommitLog:
     """Appends lines; holds the lock until closed."""
 
@@ -78,14 +106,12 @@ class CommitLog:
         flags = os.O_WRONLY | os.O_APPEND | os.O_CLOEXEC | (os.O_CREAT if create else 0)
         with disk_errors(path):
             self._descriptor = os.open(path, flags, 0o644)
-        try:
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
+        if not _lock(self._descriptor):
             os.close(self._descriptor)
             raise InputError(
                 f"{path} is being written by another process: wait until it ends",
                 code="recording-in-use",
-            ) from error
+            )
 
     def append(self, entry: Entry) -> None:
         """Add one line; on return the system has it. A line that fails leaves none behind."""

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from calib.errors import InputError
 from calib.recording.frame_codes import code_type, sample_shape
 from calib.recording.header import RecordingHeader
+from calib.recording.read_access import unreadable
 from calib.recording.recording_toml import header_from_toml, header_to_toml
-from calib.recording.superblock import is_cut_short
 
 FORMAT_NAME = "darkflat-recording"
 FORMAT_VERSION = 1
@@ -79,32 +79,6 @@ def create_file(
     file.flush()
     file.swmr_mode = True
     return file
-
-
-def open_for_reading(path: Path) -> h5py.File:
-    """Open a live, a closed or an abandoned file; InputError says what is wrong with it."""
-    try:
-        if is_cut_short(path):
-            raise OSError("truncated")
-        return h5py.File(path, "r", libver="latest", swmr=True, locking=False)
-    except FileNotFoundError as error:
-        raise InputError(f"there is no recording {path}", code="recording-not-found") from error
-    except OSError as error:
-        raise unreadable(path, error) from error
-
-
-def unreadable(path: Path, error: Exception) -> InputError:
-    """Return the InputError for an HDF5 file that cannot be read."""
-    if "truncated" in str(error):
-        return InputError(
-            f"{path} is truncated: copy it again from where it was recorded",
-            code="recording-truncated",
-        )
-    return InputError(
-        f"{path} is not a readable recording ({str(error).splitlines()[0]}): restore it"
-        " from a copy",
-        code="recording-unreadable",
-    )
 
 
 def read_contents(file: h5py.File, path: Path) -> FileContents:

@@ -11,8 +11,9 @@ from calib.errors import InputError
 from calib.recording.commit_log import commit_path, read_commit_lines
 from calib.recording.commit_state import CommitState, replay
 from calib.recording.digest import digest_of
-from calib.recording.file_layout import Provenance, open_for_reading, read_contents
+from calib.recording.file_layout import Provenance, read_contents
 from calib.recording.header import RecordingHeader
+from calib.recording.read_access import not_found, open_for_reading
 from calib.recording.salvage import check_identity, read_frame
 
 
@@ -26,7 +27,7 @@ class FileRecording:
         """Open `path`; InputError says in one sentence why it cannot be read."""
         self._path = path
         if not path.exists():
-            raise InputError(f"there is no recording {path}", code="recording-not-found")
+            raise not_found(path)
         # The commit record first: every frame that it names is then in the file.
         lines = read_commit_lines(commit_path(path))
         self._state = replay(lines.entries, commit_path(path))

@@ -9,15 +9,11 @@ from calib.arrays import RawLines
 from calib.errors import InputError
 from calib.recording.commit_log import CommitLog, commit_path, read_commit_lines
 from calib.recording.commit_state import CommitState, replay
-from calib.recording.file_layout import (
-    FileContents,
-    open_for_reading,
-    read_contents,
-    unreadable,
-)
+from calib.recording.file_layout import FileContents, read_contents
 from calib.recording.frame_codes import crc32_of
 from calib.recording.frame_record import CommittedFrame
 from calib.recording.opened import OpenedRecording
+from calib.recording.read_access import open_for_reading, unreadable
 from calib.recording.superblock import mark_as_closed
 
 
@@ -45,7 +41,7 @@ def reopen(path: Path) -> OpenedRecording:
 
 
 def _verified(path: Path, state: CommitState) -> FileContents:
-    with open_for_reading(path) as file:
+    with open_for_reading(path, nobody_writes=True) as file:
         contents = read_contents(file, path)
         check_identity(path, contents, state)
         for frame in state.every_frame:
@@ -86,7 +82,7 @@ def read_frame(file: h5py.File, frame: CommittedFrame, path: Path) -> RawLines:
 
 
 def _reopened(path: Path, n_frames: int) -> h5py.File:
-    with open_for_reading(path) as file:
+    with open_for_reading(path, nobody_writes=True) as file:
         frames = file["frames"]
         reserve_bytes = int(np.prod(frames.chunks)) * frames.dtype.itemsize + (1 << 16)
     mark_as_closed(path, reserve_bytes=reserve_bytes)

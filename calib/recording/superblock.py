@@ -11,6 +11,7 @@ version 3; checksum: Bob Jenkins' lookup3 `hashlittle`, initial value 0.
 
 import os
 import struct
+from dataclasses import dataclass
 from pathlib import Path
 
 from calib.errors import InputError
@@ -22,6 +23,7 @@ _MASK = 0xFFFFFFFF
 # base, superblock extension, end of file and root group
 _SUPERBLOCK = struct.Struct("<8s4B4Q")
 _CHECKSUM = struct.Struct("<I")
+SUPERBLOCK_BYTES = _SUPERBLOCK.size + _CHECKSUM.size
 
 
 def lookup3(data: bytes) -> int:
@@ -62,14 +64,41 @@ def _final(a: int, b: int, c: int) -> int:
     return b
 
 
-def is_cut_short(path: Path) -> bool:
-    """Tell whether a properly closed file is shorter than it was; a SWMR reader reads zeros."""
+@dataclass(frozen=True)
+class Superblock:
+    """What a file's first bytes say.
+
+    Attributes:
+        is_sound: Version 3, and its checksum is right.
+        says_written: A writer has the file open, or died while it had.
+        end: Where the file ended when it was last closed.
+    """
+
+    is_sound: bool
+    says_written: bool
+    end: int
+
+
+def read_superblock(path: Path) -> Superblock | None:
+    """Return what stands there, None where it is not HDF5's or of another version than 3."""
     with path.open("rb") as file:
-        block = file.read(_SUPERBLOCK.size)
-    if len(block) < _SUPERBLOCK.size or not block.startswith(_SIGNATURE) or block[8] != 3:
-        return False
-    fields = _SUPERBLOCK.unpack(block)
-    return bool(fields[4] == 0 and path.stat().st_size < fields[7])
+        block = file.read(SUPERBLOCK_BYTES)
+    if not block.startswith(_SIGNATURE) or block[8:9] not in (b"", b"\3"):
+        return None
+    if len(block) < SUPERBLOCK_BYTES:
+        return Superblock(is_sound=False, says_written=False, end=0)
+    fields = _SUPERBLOCK.unpack(block[: _SUPERBLOCK.size])
+    checksum = _CHECKSUM.unpack(block[_SUPERBLOCK.size :])[0]
+    is_sound = checksum == lookup3(block[: _SUPERBLOCK.size])
+    return Superblock(is_sound, says_written=fields[4] != 0, end=fields[7])
+
+
+def as_closed(block: bytes, *, end: int) -> bytes:
+    """Return the superblock `block` with its flags cleared, for a file that ends at `end`."""
+    fields = list(_SUPERBLOCK.unpack(block[: _SUPERBLOCK.size]))
+    fields[4], fields[7] = 0, end
+    closed = _SUPERBLOCK.pack(*fields)
+    return closed + _CHECKSUM.pack(lookup3(closed))
 
 
 def give_back_unused(path: Path) -> None:
@@ -94,15 +123,12 @@ def mark_as_closed(path: Path, *, reserve_bytes: int) -> bool:
                 f"{path} is not a recording of darkflat: its HDF5 superblock is not version 3",
                 code="not-a-recording",
             )
-        fields = list(_SUPERBLOCK.unpack(block))
-        if fields[4] == 0:
+        if _SUPERBLOCK.unpack(block)[4] == 0:
             return False
         size = os.fstat(file.fileno()).st_size + reserve_bytes
-        fields[4], fields[7] = 0, size
-        block = _SUPERBLOCK.pack(*fields)
         os.ftruncate(file.fileno(), size)
         file.seek(0)
-        file.write(block + _CHECKSUM.pack(lookup3(block)))
+        file.write(as_closed(block, end=size))
         file.flush()
         os.fsync(file.fileno())
     return True
