@@ -1,18 +1,13 @@
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from fastapi.testclient import TestClient
 
 from service.app import create_app
 from service.settings import Settings
 from service.store.store import Store
 from tests.service.cli.a_recording import plan_file, recording_file
-
-with warnings.catch_warnings():
-    # Starlette wants httpx2 for its client; httpx does as well, and is what our users have.
-    warnings.simplefilter("ignore")
-    from fastapi.testclient import TestClient
 
 __all__ = ["plan_file", "recording_file"]
 
