@@ -9,7 +9,7 @@ from benchmarks.race import race
 from benchmarks.row import Row
 from benchmarks.size import Size
 from calib.kernels.radiance import aligned
-from calib.radiometric.apply import Correction, Radiance
+from calib.radiometric.correction.apply import Correction, Radiance
 
 LEAST_SHARE, LEAST_SHARE_WITH_STD = 0.6, 0.4
 

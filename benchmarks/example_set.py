@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from calib.radiometric.budget import Budget, BudgetRow
-from calib.radiometric.coefficient_set import CoefficientSet
-from calib.radiometric.provenance import Domain, Provenance
+from calib.radiometric.coefficients.budget import Budget, BudgetRow
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.provenance import Domain, Provenance
 from calib.recording.header import CameraHeader
 
 

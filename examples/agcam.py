@@ -15,9 +15,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from calib.forward.model import Model
-from calib.radiometric.apply import Correction
 from calib.radiometric.calibrate import calibrate
 from calib.radiometric.calibration import Calibration
+from calib.radiometric.correction.apply import Correction
 from calib.radiometric.report import columns, correction, response, style
 from calib.radiometric.uniformity import Uniformity, uniformity
 from calib.recording.block_statistics import BlockStatistics

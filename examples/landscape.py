@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from calib.forward.conditions import Conditions
 from calib.forward.model import Model
 from calib.forward.simulate import simulate
-from calib.radiometric.apply import Correction
 from calib.radiometric.calibrate import calibrate
-from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.correction.apply import Correction
+from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
 from calib.radiometric.landscape import Landscape
 from calib.radiometric.report.style import BLUE, GREY, INK, ORANGE, house_style, new_figure
-from calib.radiometric.source_uncertainty import SourceUncertainty
 from calib.recording.header import Block, RecordingHeader
 from calib.recording.open import open_recording
 from calib.recording.writer import RecordingWriter

@@ -2,7 +2,7 @@
 
 With s = DN - dark, each column has radiance = s·scale and the variance of s
     c0 + s·(c1 + c2·s) + K·max(s, 0)
-in single precision. `calib.radiometric.apply_terms` says what the terms are made of.
+in single precision. `calib.radiometric.correction.apply_terms` says what the terms are made of.
 """
 
 from typing import TypeVar

@@ -8,18 +8,18 @@ from collections.abc import Callable, Mapping
 from importlib.metadata import PackageNotFoundError, version
 
 from calib.radiometric.calibration import Calibration
-from calib.radiometric.choices import Choices, check_recording
-from calib.radiometric.from_statistics import Determined, determine
-from calib.radiometric.provenance import Parameter, Provenance
-from calib.radiometric.selection import CLIP_SIGMA
-from calib.radiometric.source_uncertainty import SourceUncertainty
+from calib.radiometric.coefficients.provenance import Parameter, Provenance
+from calib.radiometric.estimation.choices import Choices, check_recording
+from calib.radiometric.estimation.from_statistics import Determined, determine
+from calib.radiometric.estimation.selection import CLIP_SIGMA
+from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
+from calib.radiometric.estimation.vignette import ORDERS
 from calib.radiometric.uniformity import (
     Uniformity,
     held_out_lines,
     nearest_to_half_scale,
     uniformity,
 )
-from calib.radiometric.vignette import ORDERS
 from calib.recording.block_statistics import RecordingStatistics
 from calib.recording.digest import DigestedWhileRead
 from calib.recording.header import RecordingHeader

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from calib.arrays import Columns
-from calib.radiometric.coefficient_set import CoefficientSet
-from calib.radiometric.dark_comparison import DarkComparison
-from calib.radiometric.order_choice import OrderChoice
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.estimation.dark_comparison import DarkComparison
+from calib.radiometric.estimation.order_choice import OrderChoice
 from calib.radiometric.uniformity import Uniformity
 
 

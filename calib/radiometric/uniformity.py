@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.arrays import Columns, RawLines
-from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.block_statistics import BlockStatistics
 
 LINES_AT_MOST = 2048

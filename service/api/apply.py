@@ -10,9 +10,9 @@ from pydantic import AwareDatetime, BaseModel, ConfigDict, Field
 from starlette.concurrency import run_in_threadpool
 
 from calib.errors import InputError
-from calib.radiometric.apply import Correction
-from calib.radiometric.apply_checks import Validity
-from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.correction.apply import Correction
+from calib.radiometric.correction.apply_checks import Validity
 from service.api.dependencies import SettingsDep, StoreDep
 from service.api.openapi import problems
 from service.api.radiance_stream import radiance_npz

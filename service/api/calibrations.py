@@ -53,7 +53,7 @@ def start_calibration(
 
 def _keep(store: Store, made: Path, result: dict[str, Any], by: str) -> dict[str, Any]:
     """Add the set that the job made to the store."""
-    from calib.radiometric.coefficient_set import CoefficientSet  # noqa: PLC0415  (slow to import)
+    from calib.radiometric.coefficients.coefficient_set import CoefficientSet  # noqa: PLC0415  (slow to import)
 
     store.sets.add(CoefficientSet.load(made), by=by, reason="calibrated")
     made.unlink()

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from calib.radiometric.apply import Correction
+from calib.radiometric.correction.apply import Correction
 from service.api.raw_lines import UploadedLines
 from service.store.plain_json import dumps
 

@@ -12,11 +12,11 @@ import numpy as np
 from calib.arrays import Columns
 from calib.errors import DarkflatError
 from calib.forward.model import Model
-from calib.radiometric.apply import Correction
-from calib.radiometric.apply_options import ApplyOptions
-from calib.radiometric.apply_recording import correct_recording
 from calib.radiometric.calibrate import calibrate
 from calib.radiometric.calibration import Calibration
+from calib.radiometric.correction.apply import Correction
+from calib.radiometric.correction.apply_options import ApplyOptions
+from calib.radiometric.correction.apply_recording import correct_recording
 from calib.recording.open import open_recording
 from calib.recording.protocol import Recording
 from service.bench import BenchSettings, open_bench

@@ -5,12 +5,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from calib.radiometric.band_radiance_spectra import LampSpectra
-from calib.radiometric.provenance import Parameter
-from calib.radiometric.radiances_from_spectra import radiances_from_spectra
-from calib.radiometric.source_uncertainty import SourceUncertainty
-from calib.radiometric.spectral_response import SpectralResponse
-from calib.radiometric.spectral_response_scan import SpectralScan
+from calib.radiometric.coefficients.provenance import Parameter
+from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
+from calib.radiometric.spectral.band_radiance_spectra import LampSpectra
+from calib.radiometric.spectral.radiances_from_spectra import radiances_from_spectra
+from calib.radiometric.spectral.spectral_response import SpectralResponse
+from calib.radiometric.spectral.spectral_response_scan import SpectralScan
 from calib.recording.header import RecordingHeader
 from service.cli.radiance_csv import read_radiances
 

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from calib.errors import InputError
-from calib.radiometric.apply_checks import Validity
-from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.correction.apply_checks import Validity
 from calib.recording.durable import refuse_existing
 
 

@@ -27,7 +27,7 @@ from service.store.tables import CertificationRow, SetRow
 from service.store.utc import aware
 
 if TYPE_CHECKING:
-    from calib.radiometric.coefficient_set import CoefficientSet
+    from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 
 _SHORTEST_PREFIX = 8
 

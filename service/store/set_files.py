@@ -7,7 +7,7 @@ from calib.errors import InputError
 from service.store.errors import NotInStoreError, StoreError
 
 if TYPE_CHECKING:
-    from calib.radiometric.coefficient_set import CoefficientSet
+    from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 
 
 class SetFiles:
@@ -40,7 +40,7 @@ class SetFiles:
             NotInStoreError: The file is gone.
             InputError: `altered` or `not-a-coefficient-set`.
         """
-        from calib.radiometric.coefficient_set import CoefficientSet  # noqa: PLC0415  (heavy)
+        from calib.radiometric.coefficients.coefficient_set import CoefficientSet  # noqa: PLC0415  (heavy)
 
         path = self.path(set_id)
         if not path.is_file():

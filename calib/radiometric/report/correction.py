@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from calib.arrays import RawLines
-from calib.radiometric.apply import Correction
+from calib.radiometric.correction.apply import Correction
 from calib.radiometric.report.style import BLUE, GREY, ORANGE, new_figure
 
 LINES_SHOWN = 200

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.report.style import BLUE, ORANGE, new_figure
 from calib.recording.block_statistics import BlockStatistics
 

@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from calib.radiometric.order_choice import OrderChoice
+from calib.radiometric.estimation.order_choice import OrderChoice
 from calib.radiometric.report.style import BLUE, GREY, new_figure
 
 

@@ -11,8 +11,8 @@ from jinja2 import Environment, StrictUndefined, Template
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from calib.radiometric.apply import Correction
 from calib.radiometric.calibration import Calibration
+from calib.radiometric.correction.apply import Correction
 from calib.radiometric.report import (
     columns,
     correction,

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from calib.radiometric.calibration import Calibration
-from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.report.style import BLUE, CYCLE, GREY, INK, new_figure
 from calib.recording.block_statistics import BlockStatistics
 

@@ -1,7 +1,7 @@
 """What the report says in words, from the numbers."""
 
 from calib.radiometric.calibration import Calibration
-from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.header import CameraHeader, RecordingHeader
 
 Rows = tuple[tuple[str, str], ...]

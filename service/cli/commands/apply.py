@@ -12,7 +12,7 @@ from service.cli.progress import progress, share_of
 
 
 class Pane(StrEnum):
-    """Those of `calib.radiometric.transmittance`."""
+    """Those of `calib.radiometric.correction.transmittance`."""
 
     DESTINY_RED = "destiny-red"
     DESTINY_NIR = "destiny-nir"
@@ -53,9 +53,9 @@ def apply(
     if window and transmittance:
         raise typer.BadParameter("give --window or --transmittance, not both")
     with answering(json) as answer:
-        from calib.radiometric.apply_options import ApplyOptions  # noqa: PLC0415
-        from calib.radiometric.apply_recording import correct_recording  # noqa: PLC0415
-        from calib.radiometric.transmittance import WINDOWS, Window  # noqa: PLC0415
+        from calib.radiometric.correction.apply_options import ApplyOptions  # noqa: PLC0415
+        from calib.radiometric.correction.apply_recording import correct_recording  # noqa: PLC0415
+        from calib.radiometric.correction.transmittance import WINDOWS, Window  # noqa: PLC0415
         from service.cli.frames_argument import open_frames  # noqa: PLC0415
         from service.cli.set_output import load_set  # noqa: PLC0415
         from service.cli.stopping import stop_wanted  # noqa: PLC0415

@@ -27,8 +27,8 @@ def spectral_response(
 ) -> None:
     """Reduce a monochromator scan: spectral response, bandwidth, drift, change with the angle."""
     with answering(json) as answer:
-        from calib.radiometric.spectral_response_answer import response_answer  # noqa: PLC0415
-        from calib.radiometric.spectral_response_scan import SpectralScan  # noqa: PLC0415
+        from calib.radiometric.spectral.spectral_response_answer import response_answer  # noqa: PLC0415
+        from calib.radiometric.spectral.spectral_response_scan import SpectralScan  # noqa: PLC0415
         from calib.recording.durable import refuse_existing  # noqa: PLC0415
         from service.cli.figure_file import check_figure, write_figure  # noqa: PLC0415
 

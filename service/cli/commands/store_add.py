@@ -15,7 +15,7 @@ def add(
 ) -> None:
     """Keep a coefficient set as a draft."""
     with answering(json) as answer:
-        from calib.radiometric.coefficient_set import CoefficientSet  # noqa: PLC0415
+        from calib.radiometric.coefficients.coefficient_set import CoefficientSet  # noqa: PLC0415
         from service.cli.opened_store import opened_store, who  # noqa: PLC0415
         from service.cli.set_record import show_record, told  # noqa: PLC0415
 

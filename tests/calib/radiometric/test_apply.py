@@ -6,11 +6,11 @@ import pytest
 from numpy.random import default_rng
 
 from calib.errors import InputError
-from calib.radiometric.apply import Correction, Radiance
-from calib.radiometric.apply_checks import Validity
-from calib.radiometric.flags import Flag, count_flags
-from calib.radiometric.provenance import Domain
-from calib.radiometric.transmittance import DESTINY_NIR, Window
+from calib.radiometric.coefficients.provenance import Domain
+from calib.radiometric.correction.apply import Correction, Radiance
+from calib.radiometric.correction.apply_checks import Validity
+from calib.radiometric.correction.flags import Flag, count_flags
+from calib.radiometric.correction.transmittance import DESTINY_NIR, Window
 from tests.calib.radiometric.example_set import example_set
 
 SET = example_set()

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.random import Generator, default_rng
 
-from calib.radiometric.apply import Correction
-from calib.radiometric.coefficient_set import CoefficientSet
-from calib.radiometric.transmittance import Window
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.correction.apply import Correction
+from calib.radiometric.correction.transmittance import Window
 from tests.calib.radiometric.example_set import example_set
 
 N_COLUMNS, EXPOSURE_US = 48, 200.0

@@ -10,11 +10,11 @@ import pytest
 from numpy.random import default_rng
 
 from calib.errors import DarkflatError, InputError
-from calib.radiometric.apply import Correction
-from calib.radiometric.apply_checks import Validity
-from calib.radiometric.apply_options import ApplyOptions
-from calib.radiometric.apply_recording import CancelledError, correct_recording
-from calib.radiometric.transmittance import DESTINY_NIR
+from calib.radiometric.correction.apply import Correction
+from calib.radiometric.correction.apply_checks import Validity
+from calib.radiometric.correction.apply_options import ApplyOptions
+from calib.radiometric.correction.apply_recording import CancelledError, correct_recording
+from calib.radiometric.correction.transmittance import DESTINY_NIR
 from calib.recording.header import Block, RecordingHeader
 from tests.calib.radiometric.example_set import example_set
 

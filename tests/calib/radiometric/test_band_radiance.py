@@ -3,9 +3,9 @@ import pytest
 from numpy.random import default_rng
 
 from calib.errors import InputError
-from calib.radiometric.band_radiance import band_radiance
-from calib.radiometric.band_radiance_spectra import LampSpectra
-from calib.radiometric.spectral_response import SpectralResponse
+from calib.radiometric.spectral.band_radiance import band_radiance
+from calib.radiometric.spectral.band_radiance_spectra import LampSpectra
+from calib.radiometric.spectral.spectral_response import SpectralResponse
 from tests.calib.radiometric.example_scan import write_csv
 
 GRID_NM = np.arange(760.0, 911.0, 3.0)

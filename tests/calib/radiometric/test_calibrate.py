@@ -8,11 +8,11 @@ import pytest
 from calib.errors import DarkflatError, InputError, NotDeterminedError
 from calib.forward.model import Model
 from calib.radiometric.calibrate import calibrate
-from calib.radiometric.choices import Choices
-from calib.radiometric.coefficient_set import CoefficientSet
-from calib.radiometric.from_statistics import determine
-from calib.radiometric.provenance import Provenance
-from calib.radiometric.source_uncertainty import SourceUncertainty
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.provenance import Provenance
+from calib.radiometric.estimation.choices import Choices
+from calib.radiometric.estimation.from_statistics import determine
+from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
 from calib.recording.header import Block
 from calib.recording.open import open_recording
 from tests.calib.radiometric.in_memory import InMemory, agcam_plan, record

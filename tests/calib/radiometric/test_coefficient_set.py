@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from calib.errors import InputError
-from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from tests.calib.radiometric.example_set import example_set
 
 

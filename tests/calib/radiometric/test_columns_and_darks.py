@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from calib.radiometric.column_state import ColumnState
-from calib.radiometric.from_statistics import Determined, determine
-from calib.radiometric.provenance import Provenance
+from calib.radiometric.coefficients.column_state import ColumnState
+from calib.radiometric.coefficients.provenance import Provenance
+from calib.radiometric.estimation.from_statistics import Determined, determine
 from calib.recording.block_statistics import BlockStatistics, RecordingStatistics
 from tests.calib.radiometric.simulated import Bench, draw
 

@@ -12,8 +12,8 @@ import pytest
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from calib.radiometric.from_statistics import determine
-from calib.radiometric.provenance import Provenance
+from calib.radiometric.coefficients.provenance import Provenance
+from calib.radiometric.estimation.from_statistics import determine
 from tests.calib.radiometric.simulated import Bench, draw
 
 NAMES = ("dark_offset", "vignette", "responsivity", "scale", "line")

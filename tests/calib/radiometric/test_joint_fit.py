@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from calib.radiometric.joint_fit import fit_jointly
-from calib.radiometric.selection import collapsed, within_range
+from calib.radiometric.estimation.joint_fit import fit_jointly
+from calib.radiometric.estimation.selection import collapsed, within_range
 
 EXPOSURE = np.array([100.0, 200.0, 300.0, 100.0, 100.0])
 GROUP = np.array([0, 0, 0, 1, 2])

@@ -8,12 +8,12 @@ from numpy.random import default_rng
 
 from calib.forward.conditions import Conditions
 from calib.forward.model import Model
-from calib.radiometric.apply import Correction, Radiance
 from calib.radiometric.calibrate import calibrate
-from calib.radiometric.flags import Flag
+from calib.radiometric.correction.apply import Correction, Radiance
+from calib.radiometric.correction.flags import Flag
+from calib.radiometric.correction.transmittance import Window
+from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
 from calib.radiometric.landscape import Landscape
-from calib.radiometric.source_uncertainty import SourceUncertainty
-from calib.radiometric.transmittance import Window
 from tests.calib.radiometric.in_memory import agcam_plan, record
 
 EXACT_SOURCE = SourceUncertainty(0.0, 0.0, 0.0)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from calib.errors import NotDeterminedError
-from calib.radiometric.noise_model import NoiseModel, fit_noise_model
+from calib.radiometric.estimation.noise_model import NoiseModel, fit_noise_model
 
 CASES = [
     pytest.param(12, 0.15, 1.5, id="12-bit"),

@@ -7,10 +7,10 @@ import pytest
 from numpy.random import default_rng
 
 from calib.errors import DarkflatError, InputError
-from calib.radiometric.band_radiance import band_radiance
-from calib.radiometric.band_radiance_spectra import LampSpectra
-from calib.radiometric.radiances_from_spectra import radiances_from_spectra
-from calib.radiometric.spectral_response import SpectralResponse
+from calib.radiometric.spectral.band_radiance import band_radiance
+from calib.radiometric.spectral.band_radiance_spectra import LampSpectra
+from calib.radiometric.spectral.radiances_from_spectra import radiances_from_spectra
+from calib.radiometric.spectral.spectral_response import SpectralResponse
 from calib.recording.header import Block, CameraHeader, RecordingHeader, SourceHeader
 
 NM = np.arange(760.0, 911.0, 10.0)

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from calib.errors import InputError, NotDeterminedError
-from calib.radiometric.common_mode import CommonMode
-from calib.radiometric.radiance_table import LevelGroups, group_levels
-from calib.radiometric.scale import radiance_scale
+from calib.radiometric.estimation.common_mode import CommonMode
+from calib.radiometric.estimation.radiance_table import LevelGroups, group_levels
+from calib.radiometric.estimation.scale import radiance_scale
 from calib.recording.header import Block
 
 QUIET = CommonMode(0.0, 0.0, 5, 1.0, np.zeros((5, 5)), np.zeros((5, 5)), (1, 2, 3))

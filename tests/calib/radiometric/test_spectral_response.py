@@ -3,7 +3,7 @@ import pytest
 from numpy.random import default_rng
 
 from calib.errors import DarkflatError
-from calib.radiometric.spectral_response import SpectralResponse
+from calib.radiometric.spectral.spectral_response import SpectralResponse
 from tests.calib.radiometric.example_scan import write_csv
 
 GRID_NM = np.arange(700.0, 1001.0, 3.0)

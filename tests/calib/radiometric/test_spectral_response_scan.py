@@ -5,8 +5,8 @@ import pytest
 from numpy.random import default_rng
 
 from calib.errors import InputError
-from calib.radiometric.spectral_response_angles import angular_variation
-from calib.radiometric.spectral_response_scan import SpectralScan
+from calib.radiometric.spectral.spectral_response_angles import angular_variation
+from calib.radiometric.spectral.spectral_response_scan import SpectralScan
 from tests.calib.radiometric.example_scan import (
     ANGLES_DEG,
     WAVELENGTH_NM,

@@ -3,8 +3,8 @@ import pytest
 
 from calib.errors import NotDeterminedError
 from calib.forward.taps import tap_of_column
-from calib.radiometric.normalised_profile import normalise
-from calib.radiometric.vignette import fit_profile, tap_contrasts
+from calib.radiometric.estimation.normalised_profile import normalise
+from calib.radiometric.estimation.vignette import fit_profile, tap_contrasts
 from tests.calib.radiometric.simulated import smooth_profile
 
 NO_TAPS = np.zeros((512, 0))

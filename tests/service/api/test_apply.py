@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from calib.radiometric.apply import Correction
+from calib.radiometric.correction.apply import Correction
 from service.settings import Settings
 from service.store.store import Store
 from tests.service.store.a_store import a_set, certified, day, verified

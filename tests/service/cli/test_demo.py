@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.open import open_recording
 from service.bench import BenchSettings
 from service.cli.simulated_bench import ChosenBench, simulated_bench

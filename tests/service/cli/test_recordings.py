@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.open import open_recording
 from tests.service.cli.a_recording import PLAN
 from tests.service.cli.answers import Ran

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from calib.radiometric.coefficient_set import CoefficientSet
-from calib.radiometric.spectral_response import SpectralResponse
-from calib.radiometric.spectral_response_scan import SpectralScan
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.spectral.spectral_response import SpectralResponse
+from calib.radiometric.spectral.spectral_response_scan import SpectralScan
 from calib.recording.header import Block, CameraHeader, RecordingHeader, SourceHeader
 from service.cli.radiance_arguments import level_radiances
 from tests.calib.radiometric.example_scan import ExampleScan

@@ -5,7 +5,7 @@ from dataclasses import asdict, fields
 import pytest
 
 from calib.forward.model import Model
-from calib.radiometric.source_uncertainty import SourceUncertainty
+from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
 from service.cli.demo_plan import demo_plan
 from service.plan.expand import planned_header
 from service.plan.source import PlanSource

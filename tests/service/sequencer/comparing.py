@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.radiometric.block_table import BlockTable
 from calib.radiometric.calibrate import calibrate
-from calib.radiometric.choices import Choices
-from calib.radiometric.coefficient_set import CoefficientSet
-from calib.radiometric.parts import Parts, find_parts
-from calib.radiometric.radiance_table import group_levels
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.estimation.block_table import BlockTable
+from calib.radiometric.estimation.choices import Choices
+from calib.radiometric.estimation.parts import Parts, find_parts
+from calib.radiometric.estimation.radiance_table import group_levels
 from calib.recording.protocol import Recording
 from calib.recording.statistics import column_statistics
 

@@ -60,15 +60,19 @@ def assert_survived(before: list[bytes], after: list[bytes]) -> None:
     assert sorted(begun) == sorted(ended + superseded)
 
 
-def kill_and_resume(sweep: Sweep, kills: int, *, most_frames: int, longest_s: float) -> None:
+def kill_and_resume(sweep: Sweep, kills: int, *, starting_s: float, most_frames: int) -> None:
     """Kill the sweep at random moments, then let it end, checking after each.
 
-    A moment is anything from the start of the devices to the middle of a later frame.
+    Every second kill comes while devices start and lamps settle, which takes about `starting_s`,
+    the others while frames arrive or between two blocks; all of them before the end of the sweep.
     """
     rng = random.Random()
     record: list[bytes] = []
-    for _ in range(kills):
-        now = sweep.kill_after(rng.randrange(most_frames), rng.uniform(0.0, longest_s))
+    for i in range(kills):
+        if i % 2:
+            now = sweep.kill_after(0, rng.uniform(0.0, starting_s))
+        else:
+            now = sweep.kill_after(rng.randrange(1, most_frames), rng.uniform(0.0, 0.1))
         assert now[: len(record)] == record
         record = now
     sweep.finish()
@@ -91,7 +95,7 @@ def as_if_undisturbed(sweep: Sweep, plan: Plan) -> Agreement:
 
 
 def test_a_killed_sweep_is_in_the_end_what_an_undisturbed_one_is(sweep: Sweep):
-    kill_and_resume(sweep, kills=2, most_frames=60, longest_s=0.03)
+    kill_and_resume(sweep, kills=2, starting_s=1.5, most_frames=100)
     as_if_undisturbed(sweep, PLAN)
 
 
@@ -131,5 +135,5 @@ def test_a_full_size_sweep_over_protocols_survives_ten_kills(tmp_path: Path):
         "simulation": simulation,
     }
     sweep = files_for(tmp_path, bench, FULL_SIZE, deadline_s=900.0)
-    kill_and_resume(sweep, kills=10, most_frames=30, longest_s=8.0)
+    kill_and_resume(sweep, kills=10, starting_s=10.0, most_frames=35)
     print(as_if_undisturbed(sweep, FULL_SIZE))  # noqa: T201  shown by pytest -rP

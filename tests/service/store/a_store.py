@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from calib.radiometric.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.header import CameraHeader
 from service.store.records import SetRecord
 from service.store.store import Store

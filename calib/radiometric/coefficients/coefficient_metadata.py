@@ -1,0 +1,94 @@
+"""A coefficient set's metadata as plain values, and back."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any, Protocol
+
+from calib.radiometric.coefficients.budget import Budget, BudgetRow
+from calib.radiometric.coefficients.column_state import ColumnState
+from calib.radiometric.coefficients.provenance import Domain, Provenance
+from calib.recording.header import CameraHeader
+
+FORMAT = "darkflat coefficient set 1"
+
+SCALARS = (
+    "radiance_unit",
+    "scale_relative_std",
+    "system_gain_dn_per_e",
+    "system_gain_dn_per_e_std",
+    "read_noise_e",
+    "read_noise_e_std",
+    "axis_column",
+    "axis_column_std",
+    "vignette_order",
+    "reduced_chi_squared",
+)
+
+
+class Described(Protocol):
+    """What a coefficient set says beside its arrays; its scalars are named in SCALARS."""
+
+    @property
+    def camera(self) -> CameraHeader:
+        """The camera, as set in the recording."""
+        ...
+
+    @property
+    def domain(self) -> Domain:
+        """What the calibration has seen."""
+        ...
+
+    @property
+    def budget(self) -> Budget:
+        """Of the responsivity."""
+        ...
+
+    @property
+    def provenance(self) -> Provenance:
+        """Where it comes from."""
+        ...
+
+
+def to_metadata(coefficients: Described) -> dict[str, Any]:
+    """Return everything but the arrays, ready for JSON; a number that is not known is None."""
+    return {
+        "format": FORMAT,
+        "reason_codes": {state.name.lower(): int(state) for state in ColumnState},
+        "camera": coefficients.camera.model_dump(mode="json", exclude_none=True),
+        "domain": asdict(coefficients.domain),
+        "budget": asdict(coefficients.budget),
+        "provenance": asdict(coefficients.provenance),
+        **{name: _finite(getattr(coefficients, name)) for name in SCALARS},
+    }
+
+
+def from_metadata(metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields of a `CoefficientSet` that are not arrays.
+
+    Raises:
+        KeyError, TypeError, ValueError: Where the metadata are not a coefficient set's.
+    """
+    if metadata["format"] != FORMAT:
+        raise ValueError(metadata["format"])
+    domain, budget = metadata["domain"], metadata["budget"]
+    ranges: dict[str, Any] = {k: None if v is None else tuple(v) for k, v in domain.items()}
+    rows = tuple(BudgetRow(**row) for row in budget["rows"])
+    return {
+        "camera": CameraHeader(**metadata["camera"]),
+        "domain": Domain(**ranges),
+        "budget": Budget(**{**budget, "rows": rows}),
+        "provenance": Provenance(**metadata["provenance"]),
+        **{name: _unknown(name, metadata[name]) for name in SCALARS},
+    }
+
+
+def _finite(value: Any) -> Any:
+    """Return None for a number that JSON does not know."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _unknown(name: str, value: Any) -> Any:
+    """Return NaN for a scalar that has to be a number but was not known."""
+    optional = name in {"axis_column_std", "reduced_chi_squared"}
+    return math.nan if value is None and not optional else value

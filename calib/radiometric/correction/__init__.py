@@ -1,0 +1,1 @@
+"""From raw DN to radiance: terms by column, checks, flags, streams."""

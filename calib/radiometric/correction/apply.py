@@ -1,0 +1,194 @@
+"""Raw lines into radiance, with its standard uncertainty and a quality flag per pixel.
+
+Source: Olsen et al. 2010 (AgCam), Eq. 1 solved for L. See `apply_terms` for the uncertainty.
+"""
+
+from dataclasses import dataclass
+from datetime import datetime
+from functools import reduce
+from math import ceil, floor, isfinite, sqrt
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.arrays import RawLines
+from calib.errors import InputError
+from calib.kernels import radiance as kernel
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.correction.apply_checks import (
+    Validity,
+    domain_findings,
+    mismatches,
+    refuse,
+    validity_findings,
+)
+from calib.radiometric.correction.apply_terms import column_terms
+from calib.radiometric.correction.flags import Flag
+from calib.radiometric.correction.transmittance import Window
+from calib.recording.header import CameraHeader
+
+_CODES = (np.dtype(np.uint8), np.dtype(np.uint16))
+_NO_WINDOW = Window(1.0, 0.0, "none")
+
+
+@dataclass(frozen=True)
+class Radiance:
+    """Lines in radiance, each array (n_lines, n_columns).
+
+    Attributes:
+        radiance: float32, in the set's unit; NaN in masked columns, negative below black.
+        std: float32, standard uncertainty (k = 1) of each single sample, the scale's included; NaN
+            in masked columns, infinite where saturated. None where not asked for.
+        flags: uint8, bits of `Flag`.
+    """
+
+    radiance: NDArray[np.float32]
+    std: NDArray[np.float32] | None
+    flags: NDArray[np.uint8]
+
+    @classmethod
+    def empty(cls, n_lines: int, n_columns: int, *, std: bool = True) -> "Radiance":
+        """Return arrays to be filled, for `Correction.lines(..., out=...)`."""
+        shape = (n_lines, n_columns)
+        return cls(
+            kernel.aligned(shape, np.float32),
+            kernel.aligned(shape, np.float32) if std else None,
+            kernel.aligned(shape, np.uint8),
+        )
+
+    def check_fits(self, dn: RawLines) -> None:
+        """Raise InputError `wrong-shape` unless the arrays are writable ones for lines `dn`."""
+        floats = [self.radiance] if self.std is None else [self.radiance, self.std]
+        for array, dtype in [(each, np.float32) for each in floats] + [(self.flags, np.uint8)]:
+            if array.shape != dn.shape or array.dtype != dtype or not array.flags.carray:
+                msg = f"Output for lines {dn.shape} must be contiguous {np.dtype(dtype)} like them."
+                raise InputError(msg, code="wrong-shape")
+
+
+class Correction:
+    """A coefficient set made ready for one camera setting.
+
+    Attributes:
+        coefficients: The set.
+        terms: What it says of each column at this exposure (`ColumnTerms`).
+        window: What the scene was seen through; its transmittance is 1 where there was none.
+        notes: What a reader of the result has to know: mismatches that were forced, extrapolation.
+        flags: The bits that every sample carries because of `notes`.
+    """
+
+    def __init__(
+        self,
+        coefficients: CoefficientSet,
+        exposure_us: float,
+        *,
+        camera: CameraHeader,
+        at: datetime | None = None,
+        validity: Validity | None = None,
+        window: Window | None = None,
+        sensor_temperature_c: float | None = None,
+        force: bool = False,
+    ) -> None:
+        """Check that `coefficients` hold for these lines.
+
+        Args:
+            coefficients: The set.
+            exposure_us: Exposure time of the lines.
+            camera: That of the lines. A serial or band that it does not state does not match.
+            at: When the lines were taken; `camera.started_at` where None.
+            validity: The range for which the set is certified; not checked where None.
+            window: What was between scene and camera, but not so during the calibration.
+            sensor_temperature_c: The sensor's temperature; not checked where None.
+            force: Apply the set although it does not match, and say so in flags and notes.
+
+        Raises:
+            InputError: `set-mismatch` or `outside-validity` (unless forced), `wrong-columns`,
+                `bad-exposure`.
+        """
+        if camera.columns != coefficients.n_columns:
+            msg = f"The set has {coefficients.n_columns} columns, the lines {camera.columns}."
+            raise InputError(msg, code="wrong-columns")
+        if not (isfinite(exposure_us) and exposure_us > 0):
+            msg = f"An exposure of {exposure_us} µs cannot be corrected: state it above 0."
+            raise InputError(msg, code="bad-exposure")
+        at = camera.started_at if at is None else at
+        against = mismatches(coefficients, camera) + validity_findings(validity, at)
+        if not force:
+            refuse(against)
+        findings = against + domain_findings(coefficients, exposure_us, sensor_temperature_c)
+        self.coefficients = coefficients
+        self.camera = camera
+        self.window = _NO_WINDOW if window is None else window
+        self.terms = column_terms(
+            coefficients, exposure_us, self.window.relative_std, self.window.transmittance
+        )
+        self.notes = tuple(finding.text for finding in findings)
+        self.flags = reduce(Flag.__or__, (finding.flag for finding in findings), Flag(0))
+        masked = np.where(coefficients.valid, 0, int(Flag.MASKED))
+        self._base = (masked | int(self.flags)).astype(np.uint8)
+        self._single = self.terms.in_single_precision()
+        self._limits_dn = self._extrapolation_limits()
+
+    def lines(self, dn: RawLines, *, out: Radiance | None = None, std: bool = True) -> Radiance:
+        """Return the radiance of raw lines.
+
+        Args:
+            dn: (n_lines, n_columns) uint8 or uint16.
+            out: Arrays to fill and return; reuse them in a stream, for fresh memory costs more
+                than the correction.
+            std: Whether the uncertainty is wanted; with `out`, what it has is filled.
+
+        Raises:
+            InputError: `wrong-shape` or `wrong-dtype`.
+        """
+        self._check(dn)
+        codes = cast("RawLines", np.ascontiguousarray(dn))
+        result = Radiance.empty(*codes.shape, std=std) if out is None else out
+        result.check_fits(codes)
+        kernel.correct(
+            codes,
+            self._single,
+            self._limits_dn,
+            self._base,
+            (result.radiance, result.std, result.flags),
+        )
+        return result
+
+    def mean_line(self, dn: RawLines) -> Radiance:
+        """Return the mean over lines of one radiance, (1, n_columns), with its uncertainty.
+
+        The temporal noise falls with the number of lines, the coefficients' and the scale's does
+        not. A saturated sample makes its column's std infinite; flags are those of any line.
+        """
+        self._check(dn)
+        single = self.lines(dn)
+        terms, n_lines = self.terms, len(dn)
+        signal = dn.mean(axis=0, dtype=np.float64) - terms.dark_dn
+        temporal = terms.temporal_variance_dn2(signal) / n_lines
+        std = np.sqrt(temporal + terms.coefficient_variance_dn2(signal)) * terms.scale
+        flags = np.bitwise_or.reduce(single.flags, axis=0)
+        std[(flags & Flag.SATURATED != 0) & np.isfinite(std)] = np.inf
+        return Radiance(
+            (signal * terms.scale)[None, :].astype(np.float32),
+            std[None, :].astype(np.float32),
+            flags[None, :],
+        )
+
+    def _check(self, dn: RawLines) -> None:
+        if dn.dtype not in _CODES:
+            msg = f"Raw lines are uint8 or uint16, not {dn.dtype}."
+            raise InputError(msg, code="wrong-dtype")
+        if dn.ndim != 2 or dn.shape[1] != self.coefficients.n_columns or dn.shape[0] == 0:
+            msg = f"Lines of shape {dn.shape} are not (n_lines, {self.coefficients.n_columns})."
+            raise InputError(msg, code="wrong-shape")
+
+    def _extrapolation_limits(self) -> tuple[int, int, int]:
+        """Return the lowest and highest code that is not extrapolated, and full scale."""
+        lowest, highest = self.coefficients.domain.dn
+        full_scale = self.camera.full_scale_dn
+        noise = self.terms.noise_dn2
+
+        def reach(level: float) -> float:
+            return 3.0 * sqrt(noise + self.terms.gain * max(level, 0.0))
+
+        return ceil(lowest - reach(lowest)), floor(highest + reach(highest)), full_scale

@@ -1,0 +1,166 @@
+"""A whole recording into radiance, block by block, in constant memory."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from calib.arrays import RawLines
+from calib.errors import DarkflatError, InputError
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.correction.apply import Correction, Radiance
+from calib.radiometric.correction.apply_file import RadianceFile, writing
+from calib.radiometric.correction.apply_options import ApplyOptions
+from calib.radiometric.correction.flags import count_flags
+from calib.recording.header import Block
+from calib.recording.protocol import Recording
+
+_CHUNK_BYTES = 1 << 21
+"""Radiance of this size stays in a core's cache until it is written: twice the rate."""
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """What was written.
+
+    Attributes:
+        path: The HDF5 file (see `apply_file`).
+        coefficient_set: The set's id.
+        radiance_unit: Unit of radiance and std.
+        blocks: Names of the blocks, in the order of acquisition.
+        n_lines: Lines of all blocks.
+        flags: How many pixels carry each flag.
+        notes: What was forced or extrapolated, with the block where it is not all of them.
+    """
+
+    path: Path
+    coefficient_set: str
+    radiance_unit: str
+    blocks: tuple[str, ...]
+    n_lines: int
+    flags: dict[str, int]
+    notes: tuple[str, ...]
+
+
+class CancelledError(DarkflatError):
+    """The caller wanted no more; nothing is left of the output."""
+
+    def __init__(self, out: Path) -> None:
+        super().__init__(f"{out} was cancelled and not written.", code="cancelled")
+
+
+def correct_recording(
+    recording: Recording,
+    coefficients: CoefficientSet,
+    out: Path | str,
+    *,
+    options: ApplyOptions | None = None,
+    progress: Callable[[float], None] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+) -> Corrected:
+    """Correct the blocks of a recording and write them to `out`.
+
+    Args:
+        recording: Of a line sensor.
+        coefficients: The set to apply.
+        out: The HDF5 file to write; it appears whole or not at all.
+        options: Window, validity, force and so on.
+        progress: Told the share of blocks done, 0 to 1.
+        cancelled: Asked before each stretch of lines.
+
+    Raises:
+        InputError: The set does not match (`set-mismatch`, `outside-validity`), a block is not
+            there (`no-such-block`), the sensor is an area sensor (`area-sensor`), or `out` exists.
+        CancelledError: `cancelled` said so.
+    """
+    path, options = Path(out), options or ApplyOptions()
+    if recording.header.camera.rows is not None:
+        msg = f"{recording.path} is of an area sensor; a coefficient set corrects lines."
+        raise InputError(msg, code="area-sensor")
+    blocks = _chosen(recording, options.blocks)
+    corrections = [options.correction(recording, block, coefficients) for block in blocks]
+    counts = dict.fromkeys(count_flags(np.zeros(0, np.uint8)), 0)
+    n_lines = 0
+    with writing(path, std=options.std) as file:
+        file.set_metadata(_metadata(recording, corrections[0]))
+        for done, (block, correction) in enumerate(zip(blocks, corrections, strict=True), start=1):
+            file.begin_block(block, correction)
+            for lines in _stretches(recording.frames(block.block)):
+                if cancelled is not None and cancelled():
+                    raise CancelledError(path)
+                n_lines += _append(file, correction, lines, counts, std=options.std)
+            if progress is not None:
+                progress(done / len(blocks))
+    names = tuple(block.block for block in blocks)
+    return Corrected(
+        path, coefficients.id, coefficients.radiance_unit, names, n_lines, counts,
+        _notes(names, corrections),
+    )  # fmt: skip
+
+
+def _chosen(recording: Recording, names: Sequence[str] | None) -> tuple[Block, ...]:
+    """Return the blocks of these names, or all, in the order of acquisition."""
+    blocks = recording.header.blocks
+    missing = set(names or ()) - {block.block for block in blocks}
+    if missing:
+        msg = f"{recording.path} has no block {', '.join(sorted(missing))}."
+        raise InputError(msg, code="no-such-block")
+    chosen = blocks if names is None else tuple(b for b in blocks if b.block in names)
+    if not chosen:
+        msg = f"{recording.path} has no blocks to correct."
+        raise InputError(msg, code="no-such-block")
+    return chosen
+
+
+def _stretches(frames: Iterator[RawLines]) -> Iterator[RawLines]:
+    """Cut frames into stretches that stay in the cache while they are corrected."""
+    for frame in frames:
+        n_lines = max(1, _CHUNK_BYTES // (4 * frame.shape[1]))
+        for first in range(0, len(frame), n_lines):
+            yield frame[first : first + n_lines]
+
+
+def _append(
+    file: RadianceFile,
+    correction: Correction,
+    lines: RawLines,
+    counts: dict[str, int],
+    *,
+    std: bool,
+) -> int:
+    """Correct and write a stretch; add to `counts` and return how many lines it has."""
+    corrected: Radiance = correction.lines(lines, std=std)
+    file.append(corrected)
+    for name, count in count_flags(corrected.flags).items():
+        counts[name] += count
+    return len(lines)
+
+
+def _metadata(recording: Recording, correction: Correction) -> dict[str, str | float]:
+    """Return what says how the lines were corrected."""
+    coefficients, window = correction.coefficients, correction.window
+    return {
+        "coefficient_set": coefficients.id,
+        "radiance_unit": coefficients.radiance_unit,
+        "recording": recording.path.name,
+        "camera_json": recording.header.camera.model_dump_json(exclude_none=True),
+        "window": window.name,
+        "window_transmittance": window.transmittance,
+        "window_transmittance_std": window.std,
+        "scale_relative_std": coefficients.scale_relative_std,
+        "noise_dn2": correction.terms.noise_dn2,
+        "system_gain_dn_per_e": correction.terms.gain,
+    }
+
+
+def _notes(names: Sequence[str], corrections: Sequence[Correction]) -> tuple[str, ...]:
+    """Return each note once, with the blocks that it is about where it is not all of them."""
+    about: dict[str, list[str]] = {}
+    for name, correction in zip(names, corrections, strict=True):
+        for note in correction.notes:
+            about.setdefault(note, []).append(name)
+    return tuple(
+        note if len(where) == len(names) else f"{note} (blocks {', '.join(where)})"
+        for note, where in about.items()
+    )

@@ -1,0 +1,1 @@
+"""From statistics to DN0, VE, QE and the radiance scale, each with its uncertainty."""

@@ -1,0 +1,141 @@
+"""What moves all columns of a block together: the source's unrest and offsets common to a line.
+
+Such an error does not average out over columns. It is seen in the residuals' mean over columns,
+block by block, and it enters DN0 and slope of all columns with one sign. With the relative unrest
+η of the source from block to block and a common offset noise a, block b's mean is off by
+
+    e_b = a_b + η_b·s̄·x_b,    var e_b = a² + η²(s̄·x_b)².
+
+a is taken from the scatter of the capped darks, η from what is left over in the flats, with the
+degrees of freedom that the fit left: B blocks less offset, slope and G − 1 levels. As these are
+few, the variance is multiplied by ν/(ν − 2), the variance of Student's t for ν > 2, so that the
+stated standard uncertainty is the standard deviation of what happens.
+
+Source: JCGM 100:2008, 4.3 and 5.2 (correlated inputs); JCGM 101:2008, 6.4.9 (Student's t).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.arrays import Columns
+from calib.radiometric.estimation.joint_fit import JointFit
+
+
+@dataclass(frozen=True)
+class CommonMode:
+    """Covariance of the errors that all columns share, for a column of the mean slope.
+
+    Attributes:
+        source_unrest: η, relative, of one block; NaN where no degree of freedom is left.
+        offset_noise_dn: a, DN, of one block.
+        freedom: Degrees of freedom from which η comes.
+        mean_slope: s̄, DN per µs of reference light.
+        by_source: Covariance of (DN0, s, r of all groups in use but the reference), DN, DN/µs, 1,
+            from the source's unrest, which scales with the column's slope, and from the columns'
+            own noise, averaged over them: what it does to the levels comes back to all columns.
+        by_offset: The same from the common offset, which is one for all columns.
+        groups: The group of each r in `covariance`.
+    """
+
+    source_unrest: float
+    offset_noise_dn: float
+    freedom: int
+    mean_slope: float
+    by_source: NDArray[np.float64]
+    by_offset: NDArray[np.float64]
+    groups: tuple[int, ...]
+
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """Both together, for a column of the mean slope."""
+        return np.asarray(self.by_source + self.by_offset)
+
+    def offset_variance(self, slope: Columns) -> Columns:
+        """Return the variance of DN0 for columns of these slopes (DN/µs), DN²."""
+        by_source = (slope / self.mean_slope) ** 2 * self.by_source[0, 0]
+        return np.asarray(by_source + self.by_offset[0, 0])
+
+
+def common_mode(
+    fit: JointFit, exposure_us: Columns, group: NDArray[np.intp], offset_noise_dn: float
+) -> CommonMode:
+    """Estimate what the columns share, from the residuals' means over columns.
+
+    Args:
+        fit: The joint fit.
+        exposure_us: (n_blocks,).
+        group: Level group of each block, (n_blocks,).
+        offset_noise_dn: Scatter of the capped darks' means from block to block, DN.
+    """
+    used = np.flatnonzero((fit.weights > 0).any(axis=1))
+    reference = int(np.flatnonzero(fit.relative_level == 1.0)[0])
+    others = tuple(g for g in sorted({int(g) for g in group[used]}) if g != reference)
+    slope = float(np.nanmean(fit.slope))
+    design = np.zeros((len(used), 2 + len(others)))
+    design[:, 0] = 1.0
+    design[:, 1] = fit.x_us[used]
+    for k, g in enumerate(others):
+        rows = group[used] == g
+        design[rows, 2 + k] = slope * exposure_us[used][rows]
+    weight = fit.weights[used].mean(axis=1)
+    estimator = np.linalg.pinv(design * np.sqrt(weight)[:, None]) * np.sqrt(weight)
+    residual = _mean_residual(fit, slope)[used]
+    freedom = len(used) - design.shape[1]
+    signal = slope * fit.x_us[used]
+    own = _own_variance(fit, slope)[used]
+    unrest2 = _unrest(residual, signal, design @ estimator, offset_noise_dn**2 + own, freedom)
+    few = freedom / (freedom - 2.0) if freedom > 2 else 1.0
+    error = few * np.nan_to_num(unrest2) * signal**2 + own
+    return CommonMode(
+        source_unrest=float(np.sqrt(unrest2)),
+        offset_noise_dn=offset_noise_dn,
+        freedom=freedom,
+        mean_slope=slope,
+        by_source=(estimator * error) @ estimator.T,
+        by_offset=offset_noise_dn**2 * estimator @ estimator.T,
+        groups=others,
+    )
+
+
+def _mean_residual(fit: JointFit, mean_slope: float) -> Columns:
+    """Return each block's residual, as of the mean slope, averaged by weight, (n_blocks,)."""
+    share = np.where(fit.weights > 0, fit.slope / mean_slope, 0.0)
+    above = np.nansum(fit.weights * share * np.nan_to_num(fit.residual_dn), axis=1)
+    below = np.nansum(fit.weights * share**2, axis=1)
+    return np.where(below > 0, above / np.where(below > 0, below, 1.0), 0.0)
+
+
+def _own_variance(fit: JointFit, mean_slope: float) -> Columns:
+    """Return what the columns' own noise leaves in `_mean_residual`, DN², (n_blocks,)."""
+    share = np.where(fit.weights > 0, fit.slope / mean_slope, 0.0)
+    below = np.nansum(fit.weights * share**2, axis=1)
+    return np.where(below > 0, 1.0 / np.where(below > 0, below, 1.0), 0.0)
+
+
+def _unrest(
+    residual: Columns, signal: Columns, hat: NDArray[np.float64], other: Columns, freedom: int
+) -> float:
+    """Return η²: the residuals' relative sum of squares over its expectation for η = 1.
+
+    What the common offset and the columns' own noise (`other`, variances in DN²) bring into the
+    sum is taken off first.
+    """
+    if freedom < 1:
+        return float("nan")
+    scale = 1.0 / np.maximum(signal, 1e-3 * signal.max()) ** 2
+    left = (np.eye(len(residual)) - hat) ** 2
+    expected = float(scale @ left @ signal**2)
+    by_other = float(scale @ left @ other)
+    return max(float(scale @ residual**2) - by_other, 0.0) / max(expected, 1e-30)
+
+
+def own_misfit(fit: JointFit, shared: CommonMode) -> float:
+    """Return the reduced chi-squared of what columns do not share; NaN if nothing is left."""
+    blocks = int((fit.weights > 0).any(axis=1).sum())
+    freedom = fit.freedom - (blocks - len(shared.by_source))
+    if freedom <= 0:
+        return float("nan")
+    common = np.outer(_mean_residual(fit, shared.mean_slope), fit.slope / shared.mean_slope)
+    return float(np.nansum(fit.weights * (fit.residual_dn - common) ** 2) / freedom)

@@ -1,0 +1,174 @@
+"""From block statistics to each column's line: noise, selection and fit, in turn until settled.
+
+AgCam (Olsen et al. 2010), section 5.1, with weights, a selection rule and levels of any number.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.arrays import Columns
+from calib.errors import NotDeterminedError
+from calib.kernels.column_fit import fit_lines
+from calib.radiometric.coefficients.column_state import ColumnState
+from calib.radiometric.estimation.block_table import BlockTable, Cells, Mask
+from calib.radiometric.estimation.column_check import check_columns, unchanging
+from calib.radiometric.estimation.dark_comparison import (
+    DarkCurrent,
+    dark_block_noise_dn,
+    dark_current,
+)
+from calib.radiometric.estimation.first_levels import first_levels
+from calib.radiometric.estimation.joint_fit import JointFit, fit_jointly
+from calib.radiometric.estimation.noise_model import NoiseModel, fit_noise_model
+from calib.radiometric.estimation.radiance_table import LevelGroups
+from calib.radiometric.estimation.rounding import typical_variance, unrounded_mean
+from calib.radiometric.estimation.selection import collapsed, within_range
+
+ROUNDS = 4
+
+
+@dataclass(frozen=True)
+class LineEstimate:
+    """Every column's line and what was assumed on the way.
+
+    Attributes:
+        fit: Columns and levels; masked columns have no weight.
+        noise: The photon-transfer line.
+        current: The dark current that was taken off.
+        dark_block_noise_dn: Common scatter of the dark blocks' means.
+        reason: `ColumnState` by column.
+        mean_dn: Block means with rounding's bias and the dark current taken off.
+    """
+
+    fit: JointFit
+    noise: NoiseModel
+    current: DarkCurrent
+    dark_block_noise_dn: float
+    reason: NDArray[np.uint8]
+    mean_dn: Cells
+
+
+@dataclass(frozen=True)
+class _Sight:
+    """What does not change from round to round."""
+
+    flats: BlockTable
+    darks: BlockTable
+    groups: LevelGroups
+    still: NDArray[np.bool_]
+    full_scale_dn: int
+
+
+@dataclass(frozen=True)
+class _Round:
+    """One round's result."""
+
+    fit: JointFit
+    noise: NoiseModel
+    current: DarkCurrent
+    block_noise_dn: float
+    use: Mask
+    mean_dn: Cells
+    weights: Cells
+
+
+def estimate_lines(
+    flats: BlockTable, darks: BlockTable, groups: LevelGroups, full_scale_dn: int
+) -> LineEstimate:
+    """Estimate DN0, slope and relative levels.
+
+    Raises:
+        NotDeterminedError: `one-exposure`, `all-saturated`, `no-temporal-noise`,
+            `no-valid-column`.
+    """
+    still = unchanging(flats, darks)
+    use = ~flats.clipped & ~still
+    start = first_levels(flats, groups, use)
+    equal = use.astype(np.float64)
+    fit = fit_jointly(flats.mean_dn, equal, flats.exposure_us, groups.of_block, start)
+    sight = _Sight(flats, darks, groups, still, full_scale_dn)
+    noise = _noise(flats, darks, fit, use)
+    state = _improve(sight, fit, noise)
+    for _ in range(ROUNDS):
+        last, noise = state, _noise(flats, darks, state.fit, state.use, state.noise)
+        state = _improve(sight, state.fit, noise)
+        if (state.use == last.use).all() and state.noise.is_near(last.noise):
+            break
+    longest = state.current.dn_per_us * flats.exposure_us.max()
+    reason = check_columns(flats, darks, state.fit.lines, longest, full_scale_dn)
+    valid = reason == ColumnState.VALID
+    if not valid.any():
+        raise _none_valid(reason)
+    weights = np.where(valid, state.weights, 0.0)
+    levels = state.fit.relative_level
+    fit = fit_jointly(state.mean_dn, weights, flats.exposure_us, groups.of_block, levels)
+    return LineEstimate(
+        fit, state.noise, state.current, state.block_noise_dn, reason, state.mean_dn
+    )
+
+
+def _improve(sight: _Sight, fit: JointFit, noise: NoiseModel) -> _Round:
+    """Select, weigh and fit again, with what `fit` predicts and `noise` says of it."""
+    flats, darks, groups = sight.flats, sight.darks, sight.groups
+    predicted = fit.predicted_dn()
+    sigma = noise.sigma_dn(predicted - fit.offset)
+    use = within_range(predicted, sigma, sight.full_scale_dn) & ~sight.still
+    use &= ~collapsed(flats.variance_dn2, typical_variance(sigma), flats.n_lines)
+    restored = unrounded_mean(flats.mean_dn, np.where(use, sigma, 1.0))
+    block_noise = dark_block_noise_dn(darks, noise)
+    current = dark_current(darks, noise, block_noise)
+    mean = restored.mean_dn - np.outer(flats.exposure_us, current.dn_per_us)
+    variance = restored.variance_of_one_dn2 / flats.n_lines[:, None]
+    weights = np.where(use, 1.0 / (variance + restored.variance_left_dn2), 0.0)
+    levels = fit.relative_level
+    fitted = fit_jointly(mean, weights, flats.exposure_us, groups.of_block, levels)
+    return _Round(fitted, noise, current, block_noise, use, mean, weights)
+
+
+def _noise(
+    flats: BlockTable, darks: BlockTable, fit: JointFit, use: Mask, start: NoiseModel | None = None
+) -> NoiseModel:
+    """Fit the photon-transfer line to flats and unclipped darks together."""
+    offset = fit.offset
+    if not len(darks):
+        return fit_noise_model(
+            flats.mean_dn, flats.variance_dn2, flats.n_lines, offset, use, start=start
+        )
+    return fit_noise_model(
+        np.vstack([flats.mean_dn, darks.mean_dn]),
+        np.vstack([flats.variance_dn2, darks.variance_dn2]),
+        np.concatenate([flats.n_lines, darks.n_lines]),
+        offset,
+        np.vstack([use, ~darks.clipped & use.any(axis=0)]),
+        start=start,
+    )
+
+
+def current_variances(
+    estimate: LineEstimate, exposure_us: Columns
+) -> tuple[Columns, Columns, Columns]:
+    """Return what the dark current's uncertainty adds to var DN0, var s and their covariance.
+
+    An error δ of the dark current shifts the means by −δ·t, and the lines by −δ times the line
+    that is fitted to t itself.
+    """
+    times = np.broadcast_to(exposure_us[:, None], estimate.fit.weights.shape).astype(np.float64)
+    lines = fit_lines(times, estimate.fit.weights, np.nan_to_num(estimate.fit.x_us))
+    variance = estimate.current.std**2
+    return (
+        variance * lines.offset**2,
+        variance * lines.slope**2,
+        variance * lines.offset * lines.slope,
+    )
+
+
+def _none_valid(reason: NDArray[np.uint8]) -> NotDeterminedError:
+    """Say what most columns suffer from."""
+    codes, counts = np.unique(reason, return_counts=True)
+    worst = ColumnState(int(codes[np.argmax(counts)])).name.lower().replace("_", " ")
+    return NotDeterminedError(
+        f"No column can be calibrated (most are {worst}): check light, exposures and lens cap.",
+        code="no-valid-column",
+    )

@@ -1,0 +1,101 @@
+"""What a bench operator should know about a calibration, one sentence each."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.column_state import ColumnState
+from calib.radiometric.estimation.common_mode import CommonMode
+from calib.radiometric.estimation.dark_comparison import DarkComparison
+from calib.radiometric.estimation.estimate import LineEstimate
+from calib.radiometric.estimation.rounding import INVERTIBLE_SIGMA_DN, NEGLIGIBLE_SIGMA_DN
+from calib.radiometric.estimation.scale import RadianceScale
+from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
+
+DIFFERENT_SIGMA = 4.0
+
+
+def set_findings(coefficients: CoefficientSet, relative: bool) -> Iterator[str]:
+    """Yield what the set itself gives reason to say."""
+    counts = [(s, int((coefficients.reason == s).sum())) for s in ColumnState]
+    masked = [f"{n} {s.name.lower().replace('_', ' ')}" for s, n in counts if s and n]
+    if masked:
+        yield f"Masked columns: {', '.join(masked)}."
+    if coefficients.axis_column_std is None:
+        yield (
+            "The vignette has no clear maximum inside the line: the axis column is only where it "
+            "is largest."
+        )
+    if relative:
+        yield "The scale is relative: radiance 1 is that of the reference level."
+    if not coefficients.system_gain_dn_per_e > 0:
+        yield "No shot noise is seen, so that the system gain is not determined."
+
+
+def line_findings(estimate: LineEstimate, shared: CommonMode) -> Iterator[str]:
+    """Yield what the columns' lines give reason to say."""
+    chi2, freedom = estimate.fit.reduced_chi_squared, estimate.fit.freedom
+    if freedom <= 0:
+        yield (
+            "Two exposures for two unknowns: whether the response is a line is not tested; record "
+            "more exposures."
+        )
+    elif chi2 > 1.0 + 5.0 * np.sqrt(2.0 / freedom):
+        yield (
+            f"The lines do not fit within the noise (reduced chi-squared {chi2:.2f}): the "
+            "response is not linear or the source was not steady; diagnose tells which."
+        )
+    if freedom > 0 and shared.freedom < 1:
+        yield "Whether the source was steady from block to block is not tested: too few blocks."
+    smallest = float(np.sqrt(estimate.noise.read_variance_dn2))
+    if smallest < INVERTIBLE_SIGMA_DN:
+        yield (
+            f"The noise in the dark is {smallest:.2f} DN: rounding does not average out, and "
+            "what is left of it is counted as uncertainty."
+        )
+    elif smallest < NEGLIGIBLE_SIGMA_DN / 2.4:
+        yield f"The noise in the dark is {smallest:.2f} DN: the bias of rounding was undone."
+    if estimate.current.seen:
+        mean = float(np.mean(estimate.current.dn_per_us))
+        yield f"The dark grows by {mean:.3g} DN per µs on average; this was taken off the flats."
+
+
+def dark_findings(darks: DarkComparison | None) -> Iterator[str]:
+    """Yield what comparing darks with intercepts gives reason to say."""
+    if darks is None:
+        yield "No capped darks: the intercepts are not verified."
+        return
+    if darks.clipping_columns:
+        yield (
+            f"{darks.clipping_columns} columns clip at 0 in the dark: their capped mean is too "
+            "high, and they are left out of the comparison with the regression."
+        )
+    if abs(darks.significance_sigma) > DIFFERENT_SIGMA:
+        yield (
+            f"Capped darks and intercepts differ by {darks.difference_dn:.3f} DN "
+            f"({darks.significance_sigma:+.1f} sigma): stray light, a nonlinear response or an "
+            "unsteady source."
+        )
+
+
+def source_findings(
+    source: SourceUncertainty, scale: RadianceScale, relative: bool
+) -> Iterator[str]:
+    """Yield what is missing of the source, or at odds with it."""
+    if source.certificate_relative_std is None and not relative:
+        yield (
+            "The uncertainty of the source's certificate is not stated and taken as 0: state "
+            "certificate_relative_std under [source]."
+        )
+    stated = source.level_relative_std is not None
+    if stated and scale.scatter_sigma > DIFFERENT_SIGMA:
+        yield (
+            f"The levels' radiances disagree beyond what is stated ({scale.scatter_sigma:.1f} "
+            "sigma): check the table of radiances and the linearity."
+        )
+    elif scale.level_relative_std > 0.02:
+        yield (
+            f"The levels' radiances scatter by {100 * scale.level_relative_std:.1f} % against "
+            "what the camera sees: check the table of radiances and the linearity."
+        )

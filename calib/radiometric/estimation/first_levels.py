@@ -1,0 +1,59 @@
+"""Where the fit of columns and levels starts, and whether it can."""
+
+import numpy as np
+
+from calib.arrays import Columns
+from calib.errors import NotDeterminedError
+from calib.kernels.column_fit import fit_lines
+from calib.radiometric.estimation.block_table import BlockTable, Mask
+from calib.radiometric.estimation.radiance_table import LevelGroups
+
+
+def first_levels(flats: BlockTable, groups: LevelGroups, use: Mask) -> Columns:
+    """Return a first guess of each group's relative level; 1 for the reference.
+
+    The reference is the level with most distinct exposures that are not clipped everywhere, and
+    among equals the one with most unclipped cells. DN0 and slope of the guess are its own.
+
+    Raises:
+        NotDeterminedError: `one-exposure` or `all-saturated`.
+    """
+    score = []
+    for g in range(len(groups.level)):
+        rows = (groups.of_block == g) & (use.sum(axis=1) > 0)
+        score.append((len(np.unique(flats.exposure_us[rows])), int(use[rows].sum())))
+    reference = max(range(len(score)), key=lambda g: score[g])
+    if score[reference][0] < 2:
+        raise _no_sweep(flats, groups)
+    rows = groups.of_block == reference
+    lines = fit_lines(flats.mean_dn[rows], use[rows] * 1.0, flats.exposure_us[rows])
+    expected = np.outer(flats.exposure_us, lines.slope)
+    above = flats.mean_dn - lines.offset
+    seen = use & np.isfinite(expected) & (expected > 0)
+    start = np.full(len(groups.level), np.nan)
+    for g in range(len(start)):
+        cells = seen & (groups.of_block == g)[:, None]
+        if cells.any():
+            start[g] = float(np.median(above[cells] / expected[cells]))
+    start[start <= 0] = np.nan
+    start[reference] = 1.0
+    return start
+
+
+def _no_sweep(flats: BlockTable, groups: LevelGroups) -> NotDeterminedError:
+    """Say why no level has two exposures that can be used."""
+    several = any(
+        len(np.unique(flats.exposure_us[groups.of_block == g])) > 1
+        for g in range(len(groups.level))
+    )
+    if several:
+        return NotDeterminedError(
+            "The flats are clipped at nearly every exposure, so that no line can be laid through "
+            "them: record with less light or shorter exposures.",
+            code="all-saturated",
+        )
+    return NotDeterminedError(
+        "No level was recorded at two exposures or more, so that offset and responsivity cannot "
+        "be told apart: record flats of one level at several exposures.",
+        code="one-exposure",
+    )
