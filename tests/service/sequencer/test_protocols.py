@@ -2,9 +2,6 @@
 
 import importlib.util
 import os
-import signal
-import subprocess
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,11 +9,9 @@ import pytest
 
 from calib.errors import DarkflatError
 from calib.recording.file_recording import FileRecording
-from drivers.mock.world import World
 from service.bench import Bench, BenchSettings, open_bench
 from service.sequencer.run import run_plan
 from tests.service.sequencer.benches import assert_dark, short_plan, whole_blocks
-from tests.service.sequencer.killing import Sweep
 
 pytestmark = [
     pytest.mark.aravis,
@@ -86,29 +81,3 @@ class TestWiredBench:
         assert_dark(wired.world)
         assert len(whole_blocks(out)) == 1
         assert run_plan(wired, PLAN, out, resume=True).blocks_done == 4
-
-
-def test_ctrl_c_at_the_terminal_leaves_the_lamps_off(tmp_path):
-    """A terminal sends SIGINT to the whole group: the simulated devices get it as well."""
-    import tomli_w
-
-    bench, plan = tmp_path / "bench.toml", tmp_path / "plan.toml"
-    settings = over_protocols("ctrl-c", tmp_path / "world")
-    bench.write_text(tomli_w.dumps(settings.model_dump(mode="json", exclude_none=True)))
-    plan.write_text(PLAN.model_copy(update={"repeats": 50}).dumps())
-    sweep = Sweep(bench, plan, tmp_path / "sweep.h5")
-    process = sweep.start(start_new_session=True, stderr=subprocess.PIPE)
-    try:
-        while sweep.frames() < 6 and process.poll() is None:
-            time.sleep(0.02)
-        assert process.poll() is None, process.communicate()[1].decode()
-        os.killpg(process.pid, signal.SIGINT)
-        said = process.communicate(timeout=60)[1].decode()
-    finally:
-        process.kill()
-        process.communicate()
-    assert len(whole_blocks(sweep.out)) < 200
-    assert "lamps could not be read back" not in said
-    world = World(tmp_path / "world")
-    assert_dark(world)
-    world.close()
