@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from calib.arrays import Columns
 from calib.kernels.column_fit import LineFit, fit_lines
+from calib.kernels.level_sums import level_sums
 from calib.radiometric.estimation.block_table import Cells
 
 ROUNDS = 200
@@ -92,7 +93,7 @@ def fit_jointly(
         x = relative[group] * exposure_us
         used = np.where(np.isfinite(x)[:, None], weights, 0.0)
         lines = fit_lines(mean_dn, used, np.nan_to_num(x))
-        updated = _relative_levels(mean_dn, used, lines, exposure_us[:, None], members)
+        updated = _relative_levels(mean_dn, used, lines, exposure_us, members)
         updated[~np.isfinite(relative)] = np.nan
         updated[reference] = 1.0
         moved = np.nanmax(np.abs(updated / relative - 1.0))
@@ -114,12 +115,10 @@ def _relative_levels(
     mean_dn: Cells,
     weights: Cells,
     lines: LineFit,
-    exposure_us: Cells,
+    exposure_us: Columns,
     members: Cells,
 ) -> Columns:
     """Return the weighted ratio of signal to s·t over all cells of each group, (n_groups,)."""
-    expected = exposure_us * np.nan_to_num(lines.slope)
-    signal = np.where(weights > 0, mean_dn - np.nan_to_num(lines.offset), 0.0)
-    above = members @ np.einsum("bi,bi,bi->b", weights, expected, signal)
-    below = members @ np.einsum("bi,bi,bi->b", weights, expected, expected)
+    sums = level_sums(mean_dn, weights, exposure_us, lines.offset, lines.slope)
+    above, below = (members @ each for each in sums)
     return np.where(below > 0, above / np.where(below > 0, below, 1.0), np.nan)
