@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
@@ -9,6 +10,8 @@ from pathlib import Path
 from calib.arrays import RawLines
 from calib.recording.header import RecordingHeader
 from calib.recording.protocol import Recording
+
+_FRAMES_BEHIND = 3
 
 # Says only how headerless frames are stored.
 _NOT_CONTENT = {"dtype"}
@@ -33,8 +36,8 @@ def digest_of(recording: Recording) -> str:
 class DigestedWhileRead:
     """A recording whose digest comes along while its frames are read for something else.
 
-    The hash is worked out in a thread, at most one frame behind. Where the blocks were not read
-    each to its end and in their order, `digest` reads them itself.
+    The hash is worked out in a thread, a few frames behind. Where the blocks were not read each to
+    its end and in their order, `digest` reads them itself.
     """
 
     def __init__(self, recording: Recording) -> None:
@@ -43,6 +46,8 @@ class DigestedWhileRead:
         self._names = [block.block for block in recording.header.blocks]
         self._n_digested = 0
         self._broken_off = False
+        self._thread = ThreadPoolExecutor(1)
+        self._behind: deque[Future[None]] = deque()
 
     @property
     def path(self) -> Path:
@@ -67,23 +72,29 @@ class DigestedWhileRead:
 
     def digest(self) -> str:
         """SHA-256 over header and frames."""
+        self._catch_up(0)
         whole = self._n_digested == len(self._names) and not self._broken_off
         return self._sha.hexdigest() if whole else self._recording.digest()
 
     def _digested(self, block: str, frames: Iterator[RawLines]) -> Iterator[RawLines]:
         self._broken_off = True  # until the end is reached
         n_lines = 0
-        with ThreadPoolExecutor(1) as thread:
-            behind: Future[None] | None = None
-            for dn in frames:
-                if behind is not None:
-                    behind.result()
-                behind = thread.submit(self._sha.update, dn.data)
-                n_lines += len(dn)
-                yield dn
-        self._sha.update(_end_of(block, n_lines))
+        for dn in frames:
+            self._digest(dn.data)
+            n_lines += len(dn)
+            yield dn
+        self._digest(_end_of(block, n_lines))
         self._n_digested += 1
         self._broken_off = False
+
+    def _digest(self, part: bytes | memoryview) -> None:
+        self._catch_up(_FRAMES_BEHIND)
+        self._behind.append(self._thread.submit(self._sha.update, part))
+
+    def _catch_up(self, n_behind: int) -> None:
+        """Wait until no more than `n_behind` parts are left to digest."""
+        while len(self._behind) > n_behind:
+            self._behind.popleft().result()
 
 
 def _end_of(block: str, n_lines: int) -> bytes:
