@@ -49,8 +49,8 @@ def read_commit_lines(path: Path) -> CommitLines:
         content = path.read_bytes()
     except FileNotFoundError as error:
         raise InputError(
-            f"the commit record {path.name} is missing beside {path.parent}: without it no frame "
-            "counts; put it back next to its .h5 file",
+            f"the commit record {path} is missing: without it no frame counts, put it back beside "
+            "its .h5 file",
             code="commit-record-missing",
         ) from error
     end = content.rfind(b"\n") + 1

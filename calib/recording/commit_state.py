@@ -155,7 +155,9 @@ def replay(entries: Iterable[Entry], path: Path) -> CommitState:
             "lost": replaying.lose,
             "note": replaying.note,
         }
-        for entry in lines[1:]:
+        for number, entry in enumerate(lines[1:], start=2):
+            if entry["kind"] not in steps:
+                raise ValueError(f"line {number} is of the unknown kind {entry['kind']!r}")
             steps[entry["kind"]](entry)
         return replace(replaying.state(), last_at_ns=int(lines[-1].get("at_ns", 0)))
     except (KeyError, TypeError, ValueError, ValidationError) as error:

@@ -38,7 +38,9 @@ def disk_errors(path: Path) -> Iterator[None]:
         if is_disk_full(error):
             raise DiskFullError(path) from error
         raise DarkflatError(
-            f"cannot write {path}: {error.strerror or error}", code="cannot-write"
+            f"cannot write {path} ({error.strerror or error}): name an output in a folder that"
+            " takes it",
+            code="cannot-write",
         ) from error
 
 
@@ -81,21 +83,35 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 @contextmanager
-def new_folder(path: Path) -> Iterator[Path]:
-    """Give an empty folder that becomes `path` when all went well, and vanishes when not."""
-    if path.is_dir() and not any(path.iterdir()):
-        path.rmdir()
-    refuse_existing(path)
-    partial = partial_path(path)
+def in_new_parents(path: Path) -> Iterator[None]:
+    """Make the folders above `path`; where the work fails, those made here vanish again."""
+    missing = [each for each in path.parents if not each.exists()]
     try:
         with disk_errors(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException:
+        for each in missing:
+            with suppress(OSError):
+                each.rmdir()
+        raise
+
+
+@contextmanager
+def new_folder(path: Path) -> Iterator[Path]:
+    """Give a folder that becomes `path` when all went well, and vanishes when not."""
+    if not (path.is_dir() and not any(path.iterdir())):  # an empty one is replaced
+        refuse_existing(path)
+    partial = partial_path(path)
+    with in_new_parents(path):
+        try:
+            with disk_errors(path):
+                shutil.rmtree(partial, ignore_errors=True)
+                partial.mkdir()
+                yield partial
+                for each in sorted(partial.rglob("*")):
+                    sync(each)
+                partial.rename(path)
+                sync(path.parent)
+        finally:
             shutil.rmtree(partial, ignore_errors=True)
-            partial.mkdir(parents=True)
-            yield partial
-            for each in sorted(partial.rglob("*")):
-                sync(each)
-            partial.rename(path)
-            sync(path.parent)
-    finally:
-        with suppress(FileNotFoundError):
-            shutil.rmtree(partial)

@@ -81,14 +81,19 @@ def create_file(
     return file
 
 
-def read_contents(file: h5py.File, path: Path) -> FileContents:
-    """Return what stands in `file` beside its frames."""
+def check_format(file: h5py.File, path: Path) -> None:
+    """Raise InputError `not-a-recording` where `file` is some other HDF5 file."""
     if file.attrs.get("format") != FORMAT_NAME or "frames" not in file:
         raise InputError(
             f"{path} is an HDF5 file, but no recording of darkflat: import its frames from a "
             "folder (`darkflat import`)",
             code="not-a-recording",
         )
+
+
+def read_contents(file: h5py.File, path: Path) -> FileContents:
+    """Return what stands in `file` beside its frames."""
+    check_format(file, path)
     try:
         attributes: dict[str, Any] = {key: str(value) for key, value in file.attrs.items()}
         header, warnings = header_from_toml(attributes["header"], (), f"{path} header")

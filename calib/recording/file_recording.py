@@ -11,7 +11,7 @@ from calib.errors import InputError
 from calib.recording.commit_log import commit_path, read_commit_lines
 from calib.recording.commit_state import CommitState, replay
 from calib.recording.digest import digest_of
-from calib.recording.file_layout import Provenance, read_contents
+from calib.recording.file_layout import Provenance, check_format, read_contents
 from calib.recording.header import RecordingHeader
 from calib.recording.read_access import not_found, open_for_reading
 from calib.recording.salvage import check_identity, read_frame
@@ -28,6 +28,9 @@ class FileRecording:
         self._path = path
         if not path.exists():
             raise not_found(path)
+        if not commit_path(path).exists():
+            with open_for_reading(path, nobody_writes=True) as file:
+                check_format(file, path)
         # The commit record first: every frame that it names is then in the file.
         lines = read_commit_lines(commit_path(path))
         self._state = replay(lines.entries, commit_path(path))

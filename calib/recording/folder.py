@@ -12,13 +12,14 @@ from calib.arrays import RawLines
 from calib.errors import InputError
 from calib.recording.commit_log import commit_path
 from calib.recording.conditions_csv import conditions_to_csv
-from calib.recording.durable import new_folder, partial_path, refuse_existing
+from calib.recording.durable import new_folder
 from calib.recording.file_recording import FileRecording
 from calib.recording.folder_recording import FolderRecording
 from calib.recording.formats.catalogue import FORMATS
 from calib.recording.frame_codes import code_type, sample_shape
 from calib.recording.frame_record import FrameRecord
 from calib.recording.header import Block
+from calib.recording.new_recording import new_recording
 from calib.recording.protocol import Recording
 from calib.recording.recording_toml import header_to_toml
 from calib.recording.writer import RecordingWriter
@@ -39,18 +40,8 @@ def import_folder(
     bad input, DiskFullError where there is no room.
     """
     source, out = FolderRecording(Path(folder)), Path(out)
-    refuse_existing(out, commit_path(out))
-    partial = partial_path(out)
-    remains = (partial, commit_path(partial))
-    try:
-        for each in remains:
-            each.unlink(missing_ok=True)
+    with new_recording(out) as partial:
         _copy(source, partial, progress)
-        commit_path(partial).rename(commit_path(out))
-        partial.rename(out)
-    finally:
-        for each in remains:
-            each.unlink(missing_ok=True)
     return FileRecording(out)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from calib.errors import InputError
 from calib.recording.formats.catalogue import FORMATS
-from calib.recording.formats.frame_file import FrameFile
+from calib.recording.formats.frame_file import FrameFile, unreadable
 from calib.recording.frame_codes import check_kind
 from calib.recording.header import Block, CameraHeader, RecordingHeader
 
@@ -29,6 +29,8 @@ def find_frames(folder: Path, header: RecordingHeader) -> tuple[dict[str, Path],
 
 def open_frames(path: Path, camera: CameraHeader) -> FrameFile:
     """Open one file of frames; InputError where its type or shape is not the camera's."""
+    if not path.is_file():
+        raise unreadable(path, "it is no file")
     file = FORMATS[path.suffix.lower()].read(path, camera)
     check_kind(file.dtype, file.shape, camera, str(path))
     return file

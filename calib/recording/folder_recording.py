@@ -17,6 +17,7 @@ from calib.recording.file_layout import Provenance
 from calib.recording.folder_frames import find_frames, open_frames
 from calib.recording.frame_codes import checked_codes
 from calib.recording.header import RecordingHeader
+from calib.recording.read_access import not_found
 from calib.recording.recording_toml import header_from_toml
 from calib.recording.scene_images import read_scene
 from calib.recording.statistics_csv import StatisticsRow, read_statistics
@@ -31,6 +32,7 @@ class FolderRecording:
     def __init__(self, path: Path) -> None:
         """Open the folder and look at every file's header; codes are checked when read."""
         self._path = path
+        _check_folder(path)
         blocks, warnings = read_conditions(path / "conditions.csv")
         self._header, odd = header_from_toml(
             _text_of(path / "recording.toml"), blocks, str(path / "recording.toml")
@@ -115,6 +117,17 @@ class FolderRecording:
     def digest(self) -> str:
         """SHA-256 over header and frames, the same for a file and its exported folder."""
         return digest_of(self)
+
+
+def _check_folder(path: Path) -> None:
+    if not path.exists():
+        raise not_found(path)
+    if not path.is_dir():
+        raise InputError(
+            f"{path} is no folder: name the folder that holds recording.toml, conditions.csv and "
+            "frames/",
+            code="not-a-folder",
+        )
 
 
 def _text_of(path: Path) -> str:

@@ -4,13 +4,14 @@ The names are those of `recording.toml` and `conditions.csv`, the folder in whic
 are interchanged. Unknown keys are kept (`model_extra`) and reported, never silently dropped.
 """
 
-from datetime import datetime
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AwareDatetime, BaseModel, ConfigDict, Field
 
 TapLayout = Literal["single", "odd_even", "halves", "quarters", "quadrants"]
 BlockKind = Literal["dark", "flat", "scene"]
+MOST_PIXELS = 1 << 20
+"""Along a side; no sensor has as many, and a slip of the pen must not ask for all memory."""
 
 
 class _Header(BaseModel):
@@ -22,8 +23,8 @@ class CameraHeader(_Header):
 
     model: str = ""
     serial: str = ""
-    columns: int = Field(gt=0)
-    rows: int | None = Field(default=None, gt=0)
+    columns: int = Field(gt=0, le=MOST_PIXELS)
+    rows: int | None = Field(default=None, gt=0, le=MOST_PIXELS)
     """Area sensors only."""
     bit_depth: int = Field(ge=8, le=16)
     """Codes run 0 .. 2**bit_depth - 1."""
@@ -34,7 +35,7 @@ class CameraHeader(_Header):
     readout: Literal["left", "right", "both"] = "left"
     line_period_us: float | None = Field(default=None, gt=0)
     band: str = ""
-    started_at: datetime | None = None
+    started_at: AwareDatetime | None = None
     dtype: str | None = None
     """Of headerless .raw frames, e.g. "<u2"."""
 

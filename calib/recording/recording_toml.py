@@ -24,7 +24,9 @@ def header_from_toml(
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{where} is not TOML: {error}", code="header-invalid") from error
+        raise InputError(
+            f"{where} is not TOML ({error}): correct it", code="header-invalid"
+        ) from error
     try:
         header = RecordingHeader.model_validate({**content, "blocks": blocks})
     except ValidationError as error:
@@ -38,6 +40,8 @@ def first_problem(error: ValidationError) -> str:
     where = ".".join(str(part) for part in first["loc"])
     if first["type"] == "missing":
         return f"{where} is missing: add it"
+    if first["type"] == "timezone_aware":
+        return f"{where} = {first['input']} has no time zone: write it in UTC, with a Z at its end"
     return f"{where} = {first['input']!r} cannot be: {first['msg'][0].lower()}{first['msg'][1:]}"
 
 

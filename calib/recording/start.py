@@ -16,6 +16,8 @@ def start(
     path: Path, header: RecordingHeader, frame_lines: int, before: Provenance, *, started_ns: int
 ) -> OpenedRecording:
     """Return the new recording, which has no blocks yet."""
+    if path.suffix != ".h5":  # the name of its commit record is made from what stands before
+        raise InputError(f"{path} does not end in .h5: name it {path}.h5", code="output-not-h5")
     _refuse_existing_recording(path)
     record, partial = commit_path(path), partial_path(path)
     state = CommitState(uuid.uuid4().hex, last_at_ns=started_ns)

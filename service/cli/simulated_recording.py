@@ -14,10 +14,10 @@ from calib.arrays import RawLines
 from calib.errors import InputError
 from calib.forward.model import Model
 from calib.forward.simulate import simulate
-from calib.recording.commit_log import commit_path
-from calib.recording.durable import partial_path, refuse_existing
+from calib.recording.durable import refuse_existing
 from calib.recording.folder import export_folder
 from calib.recording.header import Block, RecordingHeader
+from calib.recording.new_recording import new_recording
 from calib.recording.open import open_recording
 from calib.recording.protocol import Recording
 from calib.recording.scene_images import read_scene
@@ -66,12 +66,7 @@ def simulate_recording(
                 model, plan, file, seed=seed, scenes_folder=scenes_folder, progress=progress
             )
             return export_folder(open_recording(file), out)
-    refuse_existing(out, commit_path(out))
-    partial = partial_path(out)
-    remains = (partial, commit_path(partial))
-    try:
-        for each in remains:
-            each.unlink(missing_ok=True)
+    with new_recording(out) as partial:
         _draw(
             _as_planned(model, plan),
             plan,
@@ -80,11 +75,6 @@ def simulate_recording(
             scenes_folder=scenes_folder,
             progress=progress,
         )
-        commit_path(partial).rename(commit_path(out))
-        partial.rename(out)
-    finally:
-        for each in remains:
-            each.unlink(missing_ok=True)
     return open_recording(out)
 
 
@@ -99,7 +89,10 @@ def _as_planned(model: Model, plan: Plan) -> Model:
         raise InputError(msg, code="plan-does-not-fit-model")
     last = wanted.first_column + (wanted.columns or camera.columns - wanted.first_column)
     if last > camera.columns:
-        msg = f"the plan reads columns up to {last}, the model's camera has {camera.columns}"
+        msg = (
+            f"the plan reads columns up to {last}, but the model's camera has {camera.columns}:"
+            " lower camera.columns or camera.first_column in the plan"
+        )
         raise InputError(msg, code="plan-does-not-fit-model")
     settings = {
         "line_period_us": wanted.line_period_us,
