@@ -24,6 +24,23 @@ def test_columns_and_levels_come_back_exactly_from_exact_means() -> None:
     np.testing.assert_allclose(fit.slope, slope, rtol=1e-7)
 
 
+def test_noisy_means_are_fitted_to_their_least_squares() -> None:
+    rng = np.random.default_rng()
+    _, _, mean = means(rng, 200)
+    mean = mean + rng.normal(0.0, 0.5, mean.shape)
+    weights = rng.uniform(0.5, 2.0, mean.shape)
+    fit = fit_jointly(mean, weights, EXPOSURE, GROUP, np.array([1.0, 1.5, 3.5]))
+    for group in (1, 2):
+        for slightly in (0.999, 1.001):
+            x = fit.x_us * np.where(group == GROUP, slightly, 1.0)
+            off = mean - fit.offset - np.outer(x, fit.slope)
+            assert (weights * off**2).sum() > (weights * fit.residual_dn**2).sum()
+        s, e = fit.slope, EXPOSURE[GROUP == group][0]
+        w, above = weights[GROUP == group][0], (mean - fit.offset)[GROUP == group][0]
+        best = (w * s * e * above).sum() / (w * (s * e) ** 2).sum()
+        assert fit.relative_level[group] == pytest.approx(best, rel=1e-9)
+
+
 def test_a_cell_without_weight_counts_nothing_whatever_it_holds() -> None:
     rng = np.random.default_rng()
     offset, _, mean = means(rng)
