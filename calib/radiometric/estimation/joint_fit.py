@@ -116,9 +116,9 @@ def fit_jointly(
 
 def _still_to_go(step: Columns, next_step: Columns) -> Columns:
     """Return where steps that shrink by a constant factor lead after `next_step`: Aitken's rule."""
-    shrinks = np.nansum(step * next_step) / np.nansum(step * step)
-    shrinks = min(max(float(shrinks), 0.0), 0.95)
-    return next_step * shrinks / (1.0 - shrinks)
+    factor = float(np.nansum(step * next_step) / np.nansum(step * step))
+    factor = min(max(factor, 0.0), 0.95)
+    return next_step * factor / (1.0 - factor)
 
 
 def _groups_in_use(weights: Cells, group: NDArray[np.intp], n_groups: int) -> NDArray[np.bool_]:

@@ -35,8 +35,8 @@ def test_noisy_means_are_fitted_to_their_least_squares() -> None:
             x = fit.x_us * np.where(group == GROUP, slightly, 1.0)
             off = mean - fit.offset - np.outer(x, fit.slope)
             assert (weights * off**2).sum() > (weights * fit.residual_dn**2).sum()
-        s, e = fit.slope, EXPOSURE[GROUP == group][0]
-        w, above = weights[GROUP == group][0], (mean - fit.offset)[GROUP == group][0]
+        s, e = fit.slope, EXPOSURE[group == GROUP][0]
+        w, above = weights[group == GROUP][0], (mean - fit.offset)[group == GROUP][0]
         best = (w * s * e * above).sum() / (w * (s * e) ** 2).sum()
         assert fit.relative_level[group] == pytest.approx(best, rel=1e-9)
 
