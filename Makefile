@@ -51,11 +51,17 @@ format: setup
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+# What pip is told of its sources on this machine stays out of the lock files.
+COMPILE := .lock-venv/bin/pip-compile --quiet --generate-hashes --strip-extras --no-header --output-file -
 lock:
 	$(PYTHON) -m venv .lock-venv
 	.lock-venv/bin/pip install --quiet pip-tools
-	.lock-venv/bin/pip-compile --quiet --generate-hashes --extra aravis --extra dev --no-emit-index-url \
-	    --no-emit-find-links --strip-extras --output-file requirements.lock pyproject.toml
+	{ echo '# Written by `make lock`: every package by version and hash, no host by name.'; \
+	  $(COMPILE) --extra aravis --extra dev pyproject.toml | grep -v '^--'; } > requirements.lock.new
+	mv requirements.lock.new requirements.lock
+	{ echo '# Written by `make lock`, from peers.in: every package by version and hash, no host by name.'; \
+	  $(COMPILE) benchmarks/peers.in | grep -v '^--'; } > benchmarks/peers.lock.new
+	mv benchmarks/peers.lock.new benchmarks/peers.lock
 	rm -rf .lock-venv
 
 clean:
