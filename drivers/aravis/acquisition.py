@@ -67,10 +67,15 @@ class Acquisition:
         return report
 
     def _no_frame(self) -> DeviceError:
-        """Tell a camera that is gone from one that answers but sends nothing."""
+        """Tell a camera that is gone, or obeys another, from one that merely sends nothing."""
         device = self._connection.device
         if not self._connection.answers():
             return self._connection.lost_error("it no longer answers")
+        if not self._connection.obeys():
+            return self._connection.lost_error(
+                "it answers but obeys no more, so another program took control of it",
+                "end that program",
+            )
         return DeviceTimeoutError(
             f"{device}: no frame within {self.patience_s:.1f} s, though it answers; does the "
             "firewall let its UDP stream pass, does the link carry the packet size, is a trigger "

@@ -12,7 +12,7 @@ from drivers.aravis.gi_types import GiCamera
 from drivers.aravis.interfaces import is_loopback
 from drivers.aravis.open import open_camera
 from drivers.aravis.unpack import ByteOrder
-from drivers.errors import DeviceLostError, DeviceTimeoutError
+from drivers.errors import DeviceError, DeviceLostError, DeviceTimeoutError
 from drivers.ports import DeviceIdentity
 
 LOOPBACK_PACKET_SIZE = 16384
@@ -40,11 +40,11 @@ class Connection:
         if self._lost.is_set():
             raise self.lost_error("its heartbeat is no longer answered, or another took control")
 
-    def lost_error(self, why: str) -> DeviceLostError:
+    def lost_error(self, why: str, remedy: str = "check power and cable") -> DeviceLostError:
         """Mark the connection as lost; return the error to raise."""
         self._lost.set()
         return DeviceLostError(
-            f"{self.device}: lost: {why}; check power and cable, then configure it again",
+            f"{self.device}: lost: {why}; {remedy}, then configure it again",
             device=self.device,
             code="control-lost",
         )
@@ -61,6 +61,17 @@ class Connection:
         except glib_error():
             return False
         return True
+
+    def obeys(self) -> bool:
+        """Stop its acquisition; False where it takes no order, though it may answer questions.
+
+        Whoever took control reads the same in the control register as we do: only an order tells.
+        """
+        try:
+            self.stop_acquisition()
+        except DeviceError:
+            return False
+        return not self.lost
 
     def set_locked(self, locked: bool) -> None:
         """Tell the camera that a stream is set up, so that it refuses what would break it."""

@@ -11,22 +11,38 @@ from drivers.serial.gen_units import GenUnits, UnitReading
 def read_back_off(units: GenUnits, lamps: Sequence[GenLamp]) -> list[UnitReading]:
     """Send the group command, then read each supply back; one that is still on is told alone.
 
+    Where some supplies answer, one that does not is asked once more: a reply that got lost must
+    not send somebody to the bench. Where none does, the line is dead, and asking again only
+    delays the alarm.
+
     Raises DeviceError with code `lamps-not-off` after every lamp was tried, naming those that are
     not known to be off; of the line's class where that alone is at fault.
     """
-    readings: list[UnitReading] = []
+    readings: dict[GenLamp, UnitReading] = {}
     failures: dict[GenLamp, DeviceError] = {}
     with units.link.lock:
         with suppress(DeviceError):  # what is wrong shows when each lamp is read back
             units.all_off()
-        for lamp in lamps:
-            try:
-                readings.append(_read_back(lamp))
-            except DeviceError as error:
-                failures[lamp] = error
+        _try(lamps, readings, failures)
+        if failures and (readings or len(lamps) == 1):
+            _try(tuple(failures), readings, failures)
     if failures:
         raise _not_off(units.link.device, failures)
-    return readings
+    return [readings[lamp] for lamp in lamps]
+
+
+def _try(
+    lamps: Sequence[GenLamp],
+    readings: dict[GenLamp, UnitReading],
+    failures: dict[GenLamp, DeviceError],
+) -> None:
+    """Read each of `lamps` back into `readings`; what fails goes into `failures`."""
+    for lamp in lamps:
+        try:
+            readings[lamp] = _read_back(lamp)
+            failures.pop(lamp, None)
+        except DeviceError as error:
+            failures[lamp] = error
 
 
 def _read_back(lamp: GenLamp) -> UnitReading:

@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import replace
+from itertools import dropwhile
 from pathlib import Path
 
 import pytest
@@ -142,6 +143,25 @@ def test_camera_that_hangs_is_lost(process: SimulatedCameraProcess, wanted: Came
         process.wake()
 
 
+def test_camera_that_another_program_takes_over_is_lost_and_says_so(
+    process: SimulatedCameraProcess, wanted: CameraSettings
+) -> None:
+    with opened(process.address, frame_timeout_s=0.5) as camera:
+        camera.configure(wanted)
+        frames = camera.frames(100_000)
+        next(frames)
+        # As when a pause, a debugger's say, lets the heartbeat run out: control is free meanwhile.
+        camera._held().camera.get_device().leave_control()
+        with opened(process.address) as other:
+            with pytest.raises(DeviceLostError, match="another program took control") as caught:
+                list(frames)
+            assert caught.value.code == "control-lost"
+            other.configure(wanted)
+            assert len(whole(other.frames(2))) == 2
+        camera.configure(wanted)
+        assert len(whole(camera.frames(2))) == 2
+
+
 def test_camera_that_sends_nothing_times_out_and_recovers(
     process: SimulatedCameraProcess, wanted: CameraSettings
 ) -> None:
@@ -179,7 +199,8 @@ def test_every_frame_is_accounted_for_even_when_its_leader_is_lost(
     camera.configure(replace(wanted, frame_lines=8))  # few packets: the leader is one in three
     process.lose_packets(0.05)
     arrived = list(camera.frames(200))
-    ids = [frame.frame_id for frame in arrived]
+    # What is lost before the first whole frame has no number yet.
+    ids = list(dropwhile(lambda number: number is None, (frame.frame_id for frame in arrived)))
     assert any("leader" in frame.reason for frame in arrived if isinstance(frame, LostFrame))
     first, last = ids[0], ids[-1]
     assert first is not None

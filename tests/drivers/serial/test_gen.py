@@ -203,6 +203,17 @@ def test_off_reaches_lamps_that_hear_but_do_not_answer(opened: Opened, world: Wo
     assert all(lamp.target == 0 for lamp in world.state().lamps)
 
 
+@pytest.mark.parametrize("spoil", ["truncate", "garble", "delay 0.5"])
+def test_off_asks_once_more_where_a_single_reply_got_lost(
+    opened: Opened, world: World, spoil: str
+) -> None:
+    light = opened.lamps()
+    light.set_level(3)
+    inject(opened.emulated, f"lamps {spoil} 1")
+    assert light.off().level == 0
+    assert all(lamp.target == 0 for lamp in world.state().lamps)
+
+
 def test_off_on_a_line_that_is_gone_is_a_loss_that_names_every_lamp(opened: Opened) -> None:
     light = opened.lamps()
     light.set_level(2)

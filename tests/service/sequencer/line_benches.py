@@ -12,16 +12,18 @@ GEN = {"driver": "gen", "ramp_step_a": 2.0, "ramp_step_s": 0.01}
 MIGHTEX = {"driver": "mightex"}
 
 
-def on_lines(name: str, light: dict[str, Any], world: Path | None = None) -> BenchSettings:
+def on_lines(
+    name: str, light: dict[str, Any], world: Path | None = None, *, lamps: int = 2
+) -> BenchSettings:
     """Return a bench with `light`, a picoammeter and a relay on lines of 9600 baud."""
     return BenchSettings.parse(
         {
             "id": f"lines-{os.getpid()}-{name}",
             "camera": {"driver": "mock", "paced": False},
             "light": light,
-            "monitor": {"driver": "keithley6485"},
+            "monitor": {"driver": "keithley6485", "range_a": 2e-6},
             "shutter": {"driver": "rly16"},
-            "simulation": {"model": "demo", "lamps": 2, "warm_up_s": 0.02, "world": world},
+            "simulation": {"model": "demo", "lamps": lamps, "warm_up_s": 0.02, "world": world},
         }
     )
 
