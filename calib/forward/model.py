@@ -48,17 +48,16 @@ class Model:
         names = [effect.name for effect in ordered]
         for name in names:
             if names.count(name) > 1:
-                raise InputError(f"model: effect {name} is there twice.", code="effect-twice")
+                raise InputError(f"effect {name} is there twice; keep one.", code="effect-twice")
         for name in REQUIRED:
             if name not in names:
                 raise InputError(
-                    f"model: effect {name} is missing; add it, for light cannot become codes "
-                    "without it.",
+                    f"effect {name} is missing; add it, for light cannot become codes without it.",
                     code="effect-missing",
                 )
         if self.camera.rows is not None:
             raise InputError(
-                "model: camera.rows is given, but the forward model draws line sensors only; "
+                "camera.rows is given, but the forward model draws line sensors only; "
                 "leave it out.",
                 code="area-sensor",
             )
@@ -68,7 +67,11 @@ class Model:
     @classmethod
     def loads(cls, text: str, *, where: str = "model") -> "Model":
         """Return the model of a TOML text; `where` names it in errors."""
-        return cls(*model_file.parse(text, where))
+        parts = model_file.parse(text, where)
+        try:
+            return cls(*parts)
+        except InputError as error:
+            raise InputError(f"{where}: {error}", code=error.code) from error
 
     @classmethod
     def load(cls, path: Path | str) -> "Model":
@@ -76,7 +79,8 @@ class Model:
         try:
             text = Path(path).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"{path}: cannot be read: {error}.", code="unreadable") from error
+            msg = f"{path} cannot be read ({_reason(error)}): give a model file or a preset's name."
+            raise InputError(msg, code="unreadable") from error
         return cls.loads(text, where=str(path))
 
     @classmethod
@@ -128,3 +132,8 @@ class Model:
     def truth(self) -> Truth:
         """Return the coefficients that calibration should find, at the camera's settings."""
         return truth_of({effect.name: effect for effect in self.effects}, self.camera)
+
+
+def _reason(error: OSError | UnicodeDecodeError) -> str:
+    """Return why a file cannot be read, without its name."""
+    return error.reason if isinstance(error, UnicodeDecodeError) else str(error.strerror)

@@ -26,8 +26,8 @@ def parse(text: str, where: str) -> tuple[CameraHeader, SourceHeader, tuple[Effe
     """Return what a model file says; `where` names the file in InputErrors."""
     try:
         document = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{where}: not TOML: {error}.", code="not-toml") from error
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"{where} is not TOML ({error}): correct it.", code="not-toml") from error
     _only_known(document, _TABLES, where)
     camera = _header(CameraHeader, document, "camera", where)
     source = _header(SourceHeader, document, "source", where)
@@ -92,4 +92,8 @@ def _header(kind: type[Header], document: dict[str, object], key: str, where: st
     except ValidationError as error:
         first = error.errors()[0]
         name = ".".join(str(part) for part in first["loc"])
-        raise InputError(f"{where}: [{key}] {name}: {first['msg']}.", code="bad-header") from error
+        if first["type"] == "missing":
+            problem = "is missing: add it"
+        else:
+            problem = f"= {first['input']!r}: {first['msg'][:1].lower()}{first['msg'][1:]}"
+        raise InputError(f"{where}: [{key}] {name} {problem}.", code="bad-header") from error

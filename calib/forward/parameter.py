@@ -79,7 +79,10 @@ def from_table(kind: type[T], table: Mapping[str, object], where: str) -> T:
             )
     hints = get_type_hints(kind)
     values = {key: _typed(value, hints[key], f"{where}: {key}") for key, value in table.items()}
-    return kind(**values)
+    try:
+        return kind(**values)
+    except InputError as error:
+        raise InputError(f"{where}: {error}", code=error.code) from error
 
 
 def to_table(effect: object) -> dict[str, object]:

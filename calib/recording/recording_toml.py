@@ -23,7 +23,7 @@ def header_from_toml(
     """Return the header and a warning for every unknown key; `where` is named in errors."""
     try:
         content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(
             f"{where} is not TOML ({error}): correct it", code="header-invalid"
         ) from error

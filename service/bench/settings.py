@@ -51,10 +51,13 @@ class BenchSettings(BenchPart):
         try:
             content = tomllib.loads(path.read_text(encoding="utf-8"))
         except OSError as error:
-            msg = f"{path} cannot be read as a bench file ({error.strerror})"
+            msg = f"{path} cannot be read ({error.strerror}); name a bench file"
             raise InputError(msg, code="bench-unreadable") from error
-        except ValueError as error:
-            msg = f"{path} is not valid TOML: {error}"
+        except UnicodeDecodeError as error:
+            msg = f"{path} is not UTF-8 ({error.reason}); save it as UTF-8 text"
+            raise InputError(msg, code="bench-unreadable") from error
+        except (ValueError, RecursionError) as error:
+            msg = f"{path} is not valid TOML ({error}); correct it"
             raise InputError(msg, code="bench-invalid") from error
         return cls.parse(content, where=str(path)).beside(path.parent)
 

@@ -93,6 +93,9 @@ def answering(json_to: str | None) -> Iterator[Answer]:
         raise _failed(answer, _about(error), "system-error") from error
     except (typer.Exit, SystemExit):
         raise
+    except MemoryError as error:
+        text = f"there is not enough memory ({error}): ask for fewer columns, lines or blocks"
+        raise _failed(answer, text, "out-of-memory") from error
     except Exception as error:
         if os.environ.get("DARKFLAT_TRACEBACK"):
             raise

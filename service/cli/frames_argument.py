@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Iterator
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from calib.arrays import RawLines
 from calib.errors import InputError
 from calib.recording.formats.catalogue import FORMATS
 from calib.recording.formats.frame_file import FrameFile
+from calib.recording.frame_codes import checked_codes
 from calib.recording.header import Block, CameraHeader, RecordingHeader
 from calib.recording.open import open_recording
 from calib.recording.protocol import Recording
@@ -23,16 +25,15 @@ class BareLines:
     def __init__(self, path: Path, camera: CameraHeader, exposure_us: float) -> None:
         self._path = path
         self._file: FrameFile = FORMATS[path.suffix.lower()].read(path, camera)
-        if len(self._file.shape) != 2 or self._file.dtype.name not in {"uint8", "uint16"}:
+        shape, dtype = self._file.shape, self._file.dtype
+        if len(shape) != 2 or 0 in shape or dtype.name not in {"uint8", "uint16"}:
             msg = (
-                f"{path} holds {self._file.dtype} of shape {self._file.shape}; give lines of"
-                " uint8 or uint16, (n_lines, n_columns)"
+                f"{path} holds {dtype} of shape {shape}; give lines of uint8 or uint16,"
+                " (n_lines, n_columns)"
             )
             raise InputError(msg, code="wrong-shape")
-        block = Block(
-            block=path.stem, kind="scene", exposure_us=exposure_us, lines=self._file.shape[0]
-        )
-        as_set = camera.model_copy(update={"columns": self._file.shape[1]})
+        block = Block(block=path.stem, kind="scene", exposure_us=exposure_us, lines=shape[0])
+        as_set = camera.model_copy(update={"columns": shape[1]})
         self._header = RecordingHeader(camera=as_set, blocks=(block,))
 
     @property
@@ -57,7 +58,8 @@ class BareLines:
             raise InputError(msg, code="no-such-block")
         n_lines = self._file.shape[0]
         for first in range(0, n_lines, _STRETCH_LINES):
-            yield self._file.stretch(first, min(first + _STRETCH_LINES, n_lines))
+            dn = self._file.stretch(first, min(first + _STRETCH_LINES, n_lines))
+            yield checked_codes(dn, self._header.camera, str(self._path))
 
     def digest(self) -> str:
         """Return the SHA-256 of the codes."""
@@ -78,9 +80,15 @@ def open_frames(path: Path, camera: CameraHeader, exposure_us: float | None) -> 
     Raises:
         InputError: `exposure-missing`, `exposure-known`, or what is wrong with the file.
     """
+    if exposure_us is not None and not (isfinite(exposure_us) and exposure_us > 0):
+        msg = f"an exposure of {exposure_us:g} µs cannot be corrected: give --exposure-us above 0"
+        raise InputError(msg, code="bad-exposure")
     if path.is_dir() or path.suffix.lower() not in FORMATS:
         if exposure_us is not None:
-            msg = f"{path} states its exposures itself: leave --exposure-us out"
+            msg = (
+                f"{path} is no file of lines ({', '.join(FORMATS)}), and a recording states its"
+                " exposures itself: leave --exposure-us out"
+            )
             raise InputError(msg, code="exposure-known")
         return open_recording(path)
     if not path.is_file():

@@ -19,7 +19,7 @@ def read_radiances(path: Path) -> dict[float, float]:
             for row in rows:
                 _take(radiances, row, f"{path}, line {rows.line_num}")
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        msg = f"{path} cannot be read as a table of radiances ({error})"
+        msg = f"{path} cannot be read ({error}): give a table in UTF-8 with `level,radiance`"
         raise InputError(msg, code="radiances-unreadable") from error
     if not radiances:
         msg = f"{path} has no rows; give `level,radiance` and a row for each level"

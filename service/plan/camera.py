@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from calib.recording.header import TapLayout
+from calib.recording.header import MOST_PIXELS, TapLayout
 from drivers.ports import PixelFormat
 from service.plan.part import PlanPart
 
@@ -22,9 +22,9 @@ class PlanCamera(PlanPart):
 
     line_period_us: float = Field(gt=0)
     pixel_format: PixelFormat = "Mono12"
-    columns: int | None = Field(default=None, gt=0)
+    columns: int | None = Field(default=None, gt=0, le=MOST_PIXELS)
     """How many are read out; None: all that the camera has."""
-    first_column: int = Field(default=0, ge=0)
+    first_column: int = Field(default=0, ge=0, lt=MOST_PIXELS)
     gain_db: float = 0.0
     black_level_dn: float = 0.0
     model: str = ""

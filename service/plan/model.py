@@ -3,6 +3,7 @@
 import hashlib
 import json
 import tomllib
+from itertools import islice
 from math import ceil
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,8 @@ from service.plan.source import PlanSource
 from service.plan.sweeps import Listed, Sweep
 
 _LONGEST_FRAME = 512
+MOST_BLOCKS = 100_000
+"""Weeks of measuring; more is a slip of the pen that would ask for all memory."""
 
 
 class Plan(PlanPart):
@@ -61,9 +64,9 @@ class Plan(PlanPart):
         """Read a plan from TOML, or JSON where `json_text`; `where` names it in errors."""
         try:
             content = json.loads(text) if json_text else tomllib.loads(text)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             kind = "JSON" if json_text else "TOML"
-            msg = f"{where} is not valid {kind}: {error}"
+            msg = f"{where} is not valid {kind} ({error}); correct it"
             raise InputError(msg, code="plan-invalid") from error
         return cls.parse(content, where=where)
 
@@ -100,6 +103,13 @@ class Plan(PlanPart):
         return lines[0] if len(set(lines)) == 1 else 1
 
     @model_validator(mode="after")
+    def _not_too_many_blocks(self) -> "Plan":
+        if self._n_blocks() > MOST_BLOCKS:
+            msg = f"it stands for more than {MOST_BLOCKS} blocks; split it, or lower repeats"
+            raise ValueError(msg)
+        return self
+
+    @model_validator(mode="after")
     def _whole_frames(self) -> "Plan":
         for lines in self._all_lines():
             if self.frame_lines is not None and lines % self.frame_lines:
@@ -113,7 +123,7 @@ class Plan(PlanPart):
         if longest > self.camera.line_period_us:
             msg = (
                 f"an exposure of {longest:g} µs is longer than camera.line_period_us ="
-                f" {self.camera.line_period_us:g}"
+                f" {self.camera.line_period_us:g}; shorten it, or make the period longer"
             )
             raise ValueError(msg)
         return self
@@ -123,7 +133,7 @@ class Plan(PlanPart):
         highest = max(self.levels())
         lamps = self.source.lamps
         if self.source.kind == "sphere" and lamps is not None and highest > lamps:
-            msg = f"level {highest:g} needs more than source.lamps = {lamps}"
+            msg = f"level {highest:g} needs more than source.lamps = {lamps}; correct one of them"
             raise ValueError(msg)
         return self
 
@@ -139,6 +149,15 @@ class Plan(PlanPart):
     def lamp_count(self) -> int:
         """How many lamps the source has; as many as the highest level needs where unsaid."""
         return ceil(max(self.levels())) if self.source.lamps is None else self.source.lamps
+
+    def _n_blocks(self) -> int:
+        """Return how many blocks there are, or a number above `MOST_BLOCKS`."""
+        if isinstance(self.sweep, Listed):
+            return self.repeats * len(self.sweep.blocks)
+        n_flats = sum(1 for _ in islice(self.sweep.points(), MOST_BLOCKS + 1))
+        if n_flats > MOST_BLOCKS or self.darks.placement == "none":
+            return self.repeats * n_flats
+        return self.repeats * (n_flats + self.darks.per_exposure * len(self.exposures_us()))
 
     def _conditions(self) -> list[tuple[float, float]]:
         if isinstance(self.sweep, Listed):

@@ -22,7 +22,7 @@ def _fault(fault: Any, root: type[BaseModel]) -> str:
         return _unknown_key(location, root)
     key = _path(location, root) or "plan"
     if kind == "missing":
-        return f"{key} is missing"
+        return f"{key} is missing; add it"
     if kind == "value_error":
         reason = str(fault["ctx"]["error"])
         return f"{key}: {reason}" if location else reason
@@ -48,9 +48,9 @@ def _unknown_key(location: tuple[str | int, ...], root: type[BaseModel]) -> str:
     owner = _model_at(location[:-1], root)
     allowed = sorted(owner.model_fields) if owner else []
     near = get_close_matches(key, allowed, n=1)
-    hint = f"; did you mean {near[0]}?" if near else ";"
+    hint = f"; did you mean {near[0]}?" if near else ""
     where = _path(location, root)
-    return f"{where} is an unknown key{hint} Allowed are {', '.join(allowed)}"
+    return f"{where} is an unknown key{hint} (allowed are {', '.join(allowed)})"
 
 
 def _tags_at(location: tuple[str | int, ...], root: type[BaseModel]) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from itertools import product
 from typing import Annotated, Literal, NamedTuple
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from calib.recording.header import BlockKind
 from service.plan.part import PlanPart
@@ -70,6 +70,13 @@ class ListedBlock(PlanPart):
     """Wait this long before it, the conditions already set."""
     scene: str | None = None
     """Names the scene of a block whose kind is "scene"."""
+
+    @model_validator(mode="after")
+    def _scene_is_named(self) -> "ListedBlock":
+        if self.kind == "scene" and self.scene is None:
+            msg = 'a block of kind "scene" needs the name of its image under scenes/: give scene'
+            raise ValueError(msg)
+        return self
 
 
 class Listed(PlanPart):

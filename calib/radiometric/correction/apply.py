@@ -106,7 +106,10 @@ class Correction:
                 `bad-exposure`.
         """
         if camera.columns != coefficients.n_columns:
-            msg = f"The set has {coefficients.n_columns} columns, the lines {camera.columns}."
+            msg = (
+                f"The set has {coefficients.n_columns} columns, the lines {camera.columns}: take "
+                "the set that was calibrated with the same region."
+            )
             raise InputError(msg, code="wrong-columns")
         if not (isfinite(exposure_us) and exposure_us > 0):
             msg = f"An exposure of {exposure_us} µs cannot be corrected: state it above 0."

@@ -88,8 +88,8 @@ def refuse(findings: list[Finding]) -> None:
         return
     mismatched = any(finding.flag == Flag.MISMATCHED for finding in findings)
     msg = (
-        f"The coefficient set is not for these lines: {'; '.join(f.text for f in findings)}. "
-        "Take the set that matches, or force it."
+        f"The coefficient set is not for these lines ({'; '.join(f.text for f in findings)}): "
+        "take the set that matches, or force it."
     )
     raise InputError(msg, code="set-mismatch" if mismatched else "outside-validity")
 

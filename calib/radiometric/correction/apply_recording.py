@@ -76,7 +76,10 @@ def correct_recording(
     """
     path, options = Path(out), options or ApplyOptions()
     if recording.header.camera.rows is not None:
-        msg = f"{recording.path} is of an area sensor; a coefficient set corrects lines."
+        msg = (
+            f"{recording.path} is of an area sensor, and a coefficient set corrects lines: give a "
+            "recording of a line sensor."
+        )
         raise InputError(msg, code="area-sensor")
     blocks = _chosen(recording, options.blocks)
     corrections = [options.correction(recording, block, coefficients) for block in blocks]
@@ -104,11 +107,12 @@ def _chosen(recording: Recording, names: Sequence[str] | None) -> tuple[Block, .
     blocks = recording.header.blocks
     missing = set(names or ()) - {block.block for block in blocks}
     if missing:
-        msg = f"{recording.path} has no block {', '.join(sorted(missing))}."
+        there = ", ".join(block.block for block in blocks)
+        msg = f"{recording.path} has no block {', '.join(sorted(missing))}: it has {there}."
         raise InputError(msg, code="no-such-block")
     chosen = blocks if names is None else tuple(b for b in blocks if b.block in names)
     if not chosen:
-        msg = f"{recording.path} has no blocks to correct."
+        msg = f"{recording.path} has no blocks to correct: record some, or resume it."
         raise InputError(msg, code="no-such-block")
     return chosen
 

@@ -32,7 +32,7 @@ class Window:
 
     def __post_init__(self) -> None:
         if not 0 < self.transmittance <= 1:
-            msg = f"A window's transmittance of {self.transmittance} is not in (0, 1]."
+            msg = f"A window's transmittance is {self.transmittance}: give above 0, at most 1."
             raise InputError(msg, code="transmittance-out-of-range")
         if not 0 <= self.std < self.transmittance:
             msg = (

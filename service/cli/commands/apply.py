@@ -56,6 +56,7 @@ def apply(
         from calib.radiometric.correction.apply_options import ApplyOptions  # noqa: PLC0415
         from calib.radiometric.correction.apply_recording import correct_recording  # noqa: PLC0415
         from calib.radiometric.correction.transmittance import WINDOWS, Window  # noqa: PLC0415
+        from service.cli.about import about  # noqa: PLC0415
         from service.cli.frames_argument import open_frames  # noqa: PLC0415
         from service.cli.set_output import load_set  # noqa: PLC0415
         from service.cli.stopping import stop_wanted  # noqa: PLC0415
@@ -71,7 +72,7 @@ def apply(
             std=not no_std,
             blocks=block or None,
         )
-        with progress("Correcting") as report:
+        with about(frames), progress("Correcting") as report:
             done = correct_recording(
                 recording,
                 coefficients,

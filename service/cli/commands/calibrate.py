@@ -78,11 +78,13 @@ def calibrate(
         from calib.radiometric.calibrate import calibrate as determine  # noqa: PLC0415
         from calib.recording.open import open_recording  # noqa: PLC0415
         from calib.recording.tone import Tone  # noqa: PLC0415
+        from service.cli.about import about  # noqa: PLC0415
         from service.cli.radiance_arguments import level_radiances  # noqa: PLC0415
-        from service.cli.set_output import save_set  # noqa: PLC0415
+        from service.cli.set_output import check_folder_of, save_set  # noqa: PLC0415
 
         if store:
             _check_store()
+        check_folder_of(report)
         opened = open_recording(recording)
         known_tone = Tone(*tone) if tone else None
         known = level_radiances(
@@ -93,7 +95,7 @@ def calibrate(
             certificate_std=certificate_std,
             correlation_nm=response_correlation_nm,
         )
-        with progress("Calibrating") as tell:
+        with about(recording), progress("Calibrating") as tell:
             calibration = determine(
                 opened,
                 radiances=known.by_level,

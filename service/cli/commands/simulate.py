@@ -20,14 +20,16 @@ def simulate(
 ) -> None:
     """Draw the recording that a model's camera would make of a plan."""
     with answering(json) as answer:
+        from service.cli.about import about  # noqa: PLC0415
         from service.cli.recording_summary import show, summary  # noqa: PLC0415
         from service.cli.simulated_recording import load_model, simulate_recording  # noqa: PLC0415
         from service.plan.model import Plan  # noqa: PLC0415
 
-        with progress("Simulating") as report:
+        forward, planned = load_model(model), Plan.load(plan)
+        with about(plan), progress("Simulating") as report:
             recording = simulate_recording(
-                load_model(model),
-                Plan.load(plan),
+                forward,
+                planned,
                 out,
                 seed=seed,
                 scenes_folder=plan.parent / "scenes",

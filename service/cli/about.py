@@ -1,0 +1,19 @@
+"""Which file an error is about, where the work itself does not know."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from calib.errors import DarkflatError, InputError, NotDeterminedError
+
+
+@contextmanager
+def about(path: Path | str) -> Iterator[None]:
+    """Put `path` before what is said of bad input inside, unless it is named there already."""
+    try:
+        yield
+    except (InputError, NotDeterminedError) as error:
+        if re.search(rf"(?<!\w){re.escape(str(path))}(?!\w)", str(error)):
+            raise
+        raise DarkflatError(f"{path}: {error}", code=error.code) from error
