@@ -19,3 +19,14 @@ class InputError(DarkflatError):
 
 class NotDeterminedError(DarkflatError):
     """The recording is sound, but does not determine what was asked of it."""
+
+
+def reason_of(error: Exception) -> str:
+    """Return why a file cannot be read, without its name, which the sentence gives.
+
+    >>> reason_of(FileNotFoundError(2, "No such file or directory", "plan.toml"))
+    'No such file or directory'
+    """
+    if isinstance(error, UnicodeDecodeError):
+        return f"byte {error.start} is not UTF-8"
+    return (isinstance(error, OSError) and error.strerror) or str(error)

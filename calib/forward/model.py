@@ -7,7 +7,7 @@ from pathlib import Path
 from numpy.random import Generator
 
 from calib.arrays import Lines
-from calib.errors import InputError
+from calib.errors import InputError, reason_of
 from calib.forward import model_file
 from calib.forward.conditions import Conditions
 from calib.forward.draw import draw
@@ -79,7 +79,9 @@ class Model:
         try:
             text = Path(path).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            msg = f"{path} cannot be read ({_reason(error)}): give a model file or a preset's name."
+            msg = (
+                f"{path} cannot be read ({reason_of(error)}): give a model file or a preset's name."
+            )
             raise InputError(msg, code="unreadable") from error
         return cls.loads(text, where=str(path))
 
@@ -132,8 +134,3 @@ class Model:
     def truth(self) -> Truth:
         """Return the coefficients that calibration should find, at the camera's settings."""
         return truth_of({effect.name: effect for effect in self.effects}, self.camera)
-
-
-def _reason(error: OSError | UnicodeDecodeError) -> str:
-    """Return why a file cannot be read, without its name."""
-    return error.reason if isinstance(error, UnicodeDecodeError) else str(error.strerror)

@@ -28,6 +28,14 @@ def commit_path(recording: Path) -> Path:
     return recording.with_suffix(".frames.jsonl")
 
 
+def check_ending(recording: Path) -> None:
+    """Raise InputError unless `recording` ends in .h5: `commit_path` replaces the ending."""
+    if recording.suffix != ".h5":
+        raise InputError(
+            f"{recording} does not end in .h5: name it {recording}.h5", code="output-not-h5"
+        )
+
+
 @dataclass(frozen=True)
 class CommitLines:
     """What stands in a commit record.

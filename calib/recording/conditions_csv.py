@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from calib.errors import InputError
+from calib.errors import InputError, reason_of
 from calib.recording.block_order import check_new_block
 from calib.recording.header import Block
 from calib.recording.recording_toml import first_problem
@@ -41,7 +41,8 @@ def read_rows(path: Path, required: Sequence[str]) -> tuple[list[str], list[dict
         ) from error
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
-            f"{path} cannot be read ({error}): save it as UTF-8 text", code="conditions-invalid"
+            f"{path} cannot be read ({reason_of(error)}): save it as UTF-8 text",
+            code="conditions-invalid",
         ) from error
     reader = csv.reader(io.StringIO(text), skipinitialspace=True)
     lines = [[cell.strip() for cell in row] for row in reader if any(cell.strip() for cell in row)]

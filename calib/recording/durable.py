@@ -86,6 +86,11 @@ def write_whole(path: Path, content: bytes) -> None:
 def in_new_parents(path: Path) -> Iterator[None]:
     """Make the folders above `path`; where the work fails, those made here vanish again."""
     missing = [each for each in path.parents if not each.exists()]
+    nearest = next(each for each in path.parents if each.exists())
+    if not nearest.is_dir():
+        raise DarkflatError(
+            f"cannot write {path}: {nearest} is no folder, name another output", code="cannot-write"
+        )
     try:
         with disk_errors(path):
             path.parent.mkdir(parents=True, exist_ok=True)

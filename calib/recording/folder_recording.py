@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.arrays import RawLines
-from calib.errors import InputError, NotDeterminedError
+from calib.errors import InputError, NotDeterminedError, reason_of
 from calib.recording.conditions_csv import read_conditions
 from calib.recording.digest import digest_of
 from calib.recording.file_layout import Provenance
@@ -139,5 +139,6 @@ def _text_of(path: Path) -> str:
         ) from error
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
-            f"{path} cannot be read ({error}): save it as UTF-8 text", code="header-invalid"
+            f"{path} cannot be read ({reason_of(error)}): save it as UTF-8 text",
+            code="header-invalid",
         ) from error

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from calib.recording.commit_log import commit_path
+from calib.recording.commit_log import check_ending, commit_path
 from calib.recording.durable import (
     disk_errors,
     in_new_parents,
@@ -18,9 +18,10 @@ def new_recording(out: Path) -> Iterator[Path]:
     """Give a hidden path to write to, which becomes `out`.
 
     Raises:
-        InputError: `output-exists`.
+        InputError: `output-exists`, `output-not-h5`.
         DarkflatError: `cannot-write`, `disk-full`.
     """
+    check_ending(out)
     refuse_existing(out, commit_path(out))
     partial = partial_path(out)
     remains = (partial, commit_path(partial))

@@ -4,7 +4,7 @@ import uuid
 from pathlib import Path
 
 from calib.errors import InputError
-from calib.recording.commit_log import CommitLog, commit_path, read_commit_lines
+from calib.recording.commit_log import CommitLog, check_ending, commit_path, read_commit_lines
 from calib.recording.commit_state import FORMAT, CommitState
 from calib.recording.durable import disk_errors, partial_path, refuse_existing, sync
 from calib.recording.file_layout import Provenance, create_file
@@ -16,8 +16,7 @@ def start(
     path: Path, header: RecordingHeader, frame_lines: int, before: Provenance, *, started_ns: int
 ) -> OpenedRecording:
     """Return the new recording, which has no blocks yet."""
-    if path.suffix != ".h5":  # the name of its commit record is made from what stands before
-        raise InputError(f"{path} does not end in .h5: name it {path}.h5", code="output-not-h5")
+    check_ending(path)
     _refuse_existing_recording(path)
     record, partial = commit_path(path), partial_path(path)
     state = CommitState(uuid.uuid4().hex, last_at_ns=started_ns)

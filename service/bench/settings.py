@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import Field, ValidationError, model_validator
 
-from calib.errors import InputError
+from calib.errors import InputError, reason_of
 from service.bench.camera_settings import AravisCameraPart, CameraPart
 from service.bench.light_settings import GenLightPart, LightPart, MightexLightPart
 from service.bench.monitor_settings import KeithleyMonitorPart, MonitorPart, NoMonitorPart
@@ -50,11 +50,8 @@ class BenchSettings(BenchPart):
         """Read a bench file; raises InputError with code `bench-invalid`."""
         try:
             content = tomllib.loads(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            msg = f"{path} cannot be read ({error.strerror}); name a bench file"
-            raise InputError(msg, code="bench-unreadable") from error
-        except UnicodeDecodeError as error:
-            msg = f"{path} is not UTF-8 ({error.reason}); save it as UTF-8 text"
+        except (OSError, UnicodeDecodeError) as error:
+            msg = f"{path} cannot be read ({reason_of(error)}); name a bench file in UTF-8"
             raise InputError(msg, code="bench-unreadable") from error
         except (ValueError, RecursionError) as error:
             msg = f"{path} is not valid TOML ({error}); correct it"

@@ -7,6 +7,8 @@ from pathlib import Path
 
 from calib.errors import DarkflatError, InputError, NotDeterminedError
 
+_OF_THE_OUTPUT = {"output-exists", "output-not-h5"}
+
 
 @contextmanager
 def about(path: Path | str) -> Iterator[None]:
@@ -14,6 +16,8 @@ def about(path: Path | str) -> Iterator[None]:
     try:
         yield
     except (InputError, NotDeterminedError) as error:
-        if re.search(rf"(?<!\w){re.escape(str(path))}(?!\w)", str(error)):
+        if error.code in _OF_THE_OUTPUT or re.search(
+            rf"(?<!\w){re.escape(str(path))}(?!\w)", str(error)
+        ):
             raise
         raise DarkflatError(f"{path}: {error}", code=error.code) from error

@@ -3,7 +3,7 @@
 import csv
 from pathlib import Path
 
-from calib.errors import InputError
+from calib.errors import InputError, reason_of
 
 
 def read_radiances(path: Path) -> dict[float, float]:
@@ -19,7 +19,8 @@ def read_radiances(path: Path) -> dict[float, float]:
             for row in rows:
                 _take(radiances, row, f"{path}, line {rows.line_num}")
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        msg = f"{path} cannot be read ({error}): give a table in UTF-8 with `level,radiance`"
+        reason = reason_of(error)
+        msg = f"{path} cannot be read ({reason}): give a table in UTF-8 with `level,radiance`"
         raise InputError(msg, code="radiances-unreadable") from error
     if not radiances:
         msg = f"{path} has no rows; give `level,radiance` and a row for each level"

@@ -11,7 +11,7 @@ from typing import Any
 import tomli_w
 from pydantic import Field, ValidationError, model_validator
 
-from calib.errors import InputError
+from calib.errors import InputError, reason_of
 from service.plan.camera import PlanCamera
 from service.plan.darks import Darks, DarksField
 from service.plan.interlocks import Interlocks
@@ -55,7 +55,9 @@ class Plan(PlanPart):
         try:
             text = path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            msg = f"{path} cannot be read as a plan ({error}); give a .toml or .json file"
+            msg = (
+                f"{path} cannot be read as a plan ({reason_of(error)}); give a .toml or .json file"
+            )
             raise InputError(msg, code="plan-unreadable") from error
         return cls.loads(text, where=str(path), json_text=path.suffix.lower() == ".json")
 

@@ -19,7 +19,7 @@ import h5py
 
 from calib.radiometric.correction.apply import Correction, Radiance
 from calib.radiometric.correction.flags import Flag
-from calib.recording.durable import disk_errors, partial_path, refuse_existing, sync
+from calib.recording.durable import disk_errors, in_new_parents, partial_path, refuse_existing, sync
 from calib.recording.header import Block
 
 _LAYERS = ("radiance", "std", "flags")
@@ -39,7 +39,6 @@ class RadianceFile:
         self._std = std
         self._block: h5py.Group | None = None
         with disk_errors(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
             self._file = h5py.File(self._partial, "w")
 
     def __enter__(self) -> Self:
@@ -109,6 +108,6 @@ class RadianceFile:
 @contextmanager
 def writing(path: Path, *, std: bool) -> Iterator[RadianceFile]:
     """Give a file that gets its name when all went well."""
-    with RadianceFile(path, std=std) as file:
+    with in_new_parents(path), RadianceFile(path, std=std) as file:
         yield file
         file.finish()
