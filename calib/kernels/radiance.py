@@ -46,10 +46,17 @@ def correct(
     """
     radiance, std, flags = out
     limits = tuple(np.clip(limits_dn, 0, 0xFFFF).astype(np.uint16))
+    black = _lowest_above_black(terms[0])
     if std is None:
-        _radiance(dn, terms[:2], limits, base_flags, (radiance, flags))
+        _radiance(dn, terms[:2], (*limits, black), base_flags, (radiance, flags))
     else:
-        _radiance_and_std(dn, terms, limits, base_flags, (radiance, std, flags))
+        _radiance_and_std(dn, terms, (*limits, black), base_flags, (radiance, std, flags))
+
+
+def _lowest_above_black(dark: Floats) -> NDArray[np.uint16]:
+    """Return the lowest code that is neither 0 nor below the dark level, (n_columns,)."""
+    codes = np.fmin(np.fmax(np.ceil(dark), 1.0), 0xFFFF)
+    return codes.astype(np.uint16)
 
 
 def aligned(shape: tuple[int, int], dtype: type[Scalar]) -> NDArray[Scalar]:
@@ -61,14 +68,19 @@ def aligned(shape: tuple[int, int], dtype: type[Scalar]) -> NDArray[Scalar]:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _flags(code, signal, limits, base):  # type: ignore[no-untyped-def]
-    """Return the base flags with those that the code itself raises."""
-    lowest, highest, saturated = limits
-    flags = base
-    flags |= _SATURATED if code >= saturated else _NONE
-    flags |= _BELOW_BLACK if (signal < _ZERO) | (code == 0) else _NONE
-    flags |= _EXTRAPOLATED if (code < lowest) | (code > highest) else _NONE
-    return flags
+def _flag(codes, limits, base, flags):  # type: ignore[no-untyped-def]
+    """Fill a line's flags: the base ones and those that the codes themselves raise.
+
+    A loop of its own, of whole numbers only, takes half the time that it would beside the floats.
+    """
+    lowest, highest, saturated, black = limits
+    for column in range(codes.size):
+        code = codes[column]
+        raised = base[column]
+        raised |= _SATURATED if code >= saturated else _NONE
+        raised |= _BELOW_BLACK if code < black[column] else _NONE
+        raised |= _EXTRAPOLATED if (code < lowest) | (code > highest) else _NONE
+        flags[column] = raised
 
 
 @njit(cache=True, nogil=True)
@@ -77,11 +89,10 @@ def _radiance(dn, terms, limits, base, out):  # type: ignore[no-untyped-def]
     dark, scale = terms
     radiance, flags = out
     for line in range(dn.shape[0]):
-        for column in range(dn.shape[1]):
-            code = dn[line, column]
-            signal = np.float32(code) - dark[column]
-            radiance[line, column] = signal * scale[column]
-            flags[line, column] = _flags(code, signal, limits, base[column])
+        codes, corrected = dn[line], radiance[line]
+        for column in range(codes.size):
+            corrected[column] = (np.float32(codes[column]) - dark[column]) * scale[column]
+        _flag(codes, limits, base, flags[line])
 
 
 @njit(cache=True, nogil=True)
@@ -90,12 +101,13 @@ def _radiance_and_std(dn, terms, limits, base, out):  # type: ignore[no-untyped-
     dark, scale, c0, c1, c2, gain = terms
     radiance, std, flags = out
     for line in range(dn.shape[0]):
-        for column in range(dn.shape[1]):
-            code = dn[line, column]
+        codes, corrected, deviations = dn[line], radiance[line], std[line]
+        for column in range(codes.size):
+            code = codes[column]
             signal = np.float32(code) - dark[column]
-            radiance[line, column] = signal * scale[column]
+            corrected[column] = signal * scale[column]
             variance = c0[column] + signal * (c1[column] + c2[column] * signal)
             variance += gain * max(signal, _ZERO)
             deviation = np.sqrt(variance) * scale[column]
-            std[line, column] = deviation if code < limits[2] else deviation * _INFINITE
-            flags[line, column] = _flags(code, signal, limits, base[column])
+            deviations[column] = deviation if code < limits[2] else deviation * _INFINITE
+        _flag(codes, limits, base, flags[line])

@@ -81,3 +81,15 @@ def test_limits_beyond_the_codes_flag_nothing_as_extrapolated(limits):
     out = np.empty((4096, 1), f32), None, np.empty((4096, 1), np.uint8)
     correct(dn, terms, limits, np.zeros(1, np.uint8), out)
     assert not (out[2] & 8).any()
+
+
+@pytest.mark.parametrize(
+    "dark", [-3.0, 0.0, 0.5, 1.0, 20.0, np.nextafter(f32(20), f32(21)), 65535.0, np.nan]
+)
+def test_codes_below_the_dark_level_and_code_zero_are_flagged_and_no_others(dark):
+    dn = np.arange(65536, dtype=np.uint16)[:, None]
+    terms = (np.full(1, dark, f32), *[np.ones(1, f32)] * 4, f32(1))
+    base, limits = np.zeros(1, np.uint8), (0, 65535, 65535)
+    out = np.empty((65536, 1), f32), None, np.empty((65536, 1), np.uint8)
+    correct(dn, terms, limits, base, out)
+    np.testing.assert_array_equal(out[2], numpy_twin(dn, terms, limits, base)[2])
