@@ -5,6 +5,7 @@ Everything but `frames` is written before SWMR mode begins, because in it nothin
 
 import json
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from calib.recording.frame_codes import code_type, sample_shape
 from calib.recording.header import RecordingHeader
 from calib.recording.read_access import unreadable
 from calib.recording.recording_toml import header_from_toml, header_to_toml
+from calib.recording.unfailing_file import UnfailingFile
 
 FORMAT_NAME = "darkflat-recording"
 FORMAT_VERSION = 1
@@ -53,7 +55,12 @@ class FileContents:
 def create_file(
     path: Path, recording_id: str, header: RecordingHeader, frame_lines: int, before: Provenance
 ) -> h5py.File:
-    """Return a new file in SWMR mode with no frames yet; lines per frame are fixed."""
+    """Return a new file in SWMR mode with no frames yet; lines per frame are fixed.
+
+    Raises:
+        InputError: `frame-size-invalid`.
+        OSError: The file cannot be written.
+    """
     kind = code_type(header.camera)
     frame = (frame_lines, *sample_shape(header.camera))
     if frame_lines < 1 or int(np.prod(frame)) * kind.itemsize > _MAX_CHUNK_BYTES:
@@ -61,7 +68,24 @@ def create_file(
             f"a frame of {frame_lines} lines cannot be recorded: 1 line to 4 GiB it may have",
             code="frame-size-invalid",
         )
-    file = h5py.File(path, "w", libver="latest", locking=False)
+    with closing(UnfailingFile(path)) as disk:
+        with h5py.File(disk, "w", libver="latest") as file:
+            _fill(file, recording_id, header, frame, before)
+        disk.check()
+    file = h5py.File(path, "r+", libver="latest", locking=False)
+    file.swmr_mode = True
+    return file
+
+
+def _fill(
+    file: h5py.File,
+    recording_id: str,
+    header: RecordingHeader,
+    frame: tuple[int, ...],
+    before: Provenance,
+) -> None:
+    """Write everything but frames."""
+    kind = code_type(header.camera)
     file.attrs.update(
         {
             "format": FORMAT_NAME,
@@ -76,9 +100,6 @@ def create_file(
     for name, radiance in before.scenes.items():
         scenes.create_dataset(name, data=radiance)
     file.create_dataset("frames", (0, *frame), kind, maxshape=(None, *frame), chunks=(1, *frame))
-    file.flush()
-    file.swmr_mode = True
-    return file
 
 
 def check_format(file: h5py.File, path: Path) -> None:

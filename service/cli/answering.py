@@ -3,7 +3,7 @@
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -49,15 +49,29 @@ class Answer:
         if show is not None and self.for_people:
             from service.cli.consoles import output  # noqa: PLC0415
 
-            show(output())
+            with _standard_output():
+                show(output())
 
     def write_json(self, content: Any) -> None:
         """Write `content` where `--json` says, whole or not at all; nowhere without it."""
         if self._json_to == "-":
-            sys.stdout.write(dumps(content))
-            sys.stdout.flush()
+            with _standard_output():
+                sys.stdout.write(dumps(content))
         elif self._json_to is not None:
             _write(Path(self._json_to), dumps(content))
+
+
+@contextmanager
+def _standard_output() -> Iterator[None]:
+    """Have what is printed leave this process here, where it can be told that it did not."""
+    try:
+        yield
+        sys.stdout.flush()
+    except OSError:
+        # What is still buffered would be tried once more at the end, with a traceback.
+        with suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise
 
 
 def _write(path: Path, text: str) -> None:
@@ -90,7 +104,7 @@ def answering(json_to: str | None) -> Iterator[Answer]:
     except (StoppedError, KeyboardInterrupt) as error:
         raise _failed(answer, "stopped before the work was done", "cancelled") from error
     except OSError as error:
-        raise _failed(answer, _about(error), "system-error") from error
+        raise _failed(answer, _about(error), _code(error)) from error
     except (typer.Exit, SystemExit):
         raise
     except MemoryError as error:
@@ -108,11 +122,15 @@ def _failed(answer: Answer, message: str, code: str) -> typer.Exit:
     """Say why and return the way out."""
     line = " ".join(message.split())
     print(f"darkflat: {line}", file=sys.stderr)  # noqa: T201
-    try:
+    with suppress(DarkflatError, OSError):  # the one line has been said
         answer.write_json({"error": {"code": code, "message": line}})
-    except (DarkflatError, OSError) as error:
-        print(f"darkflat: {error}", file=sys.stderr)  # noqa: T201
     return typer.Exit(FAILED)
+
+
+def _code(error: OSError) -> str:
+    from calib.recording.durable import is_disk_full  # noqa: PLC0415
+
+    return "disk-full" if is_disk_full(error) else "system-error"
 
 
 def _about(error: OSError) -> str:

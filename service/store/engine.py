@@ -99,6 +99,9 @@ def store_errors() -> Iterator[None]:
         if "locked" in text or "busy" in text:
             msg = "another process has been writing to the store for too long; try again"
             raise StoreError(msg, code="store-busy") from error
+        if "full" in text:
+            msg = "no space left for the store; free some, or set DARKFLAT_HOME elsewhere"
+            raise StoreError(msg, code="disk-full") from error
         msg = f"the store cannot be used ({text}); look at DARKFLAT_HOME and its rights"
         raise StoreError(msg, code="store-not-writable") from error
     except DatabaseError as error:

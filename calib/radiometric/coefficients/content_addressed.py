@@ -9,6 +9,7 @@ import json
 import os
 import tempfile
 from collections.abc import Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import InputError
+from calib.recording.durable import DiskFullError, is_disk_full
+from calib.recording.unfailing_file import UnfailingFile
 
 Arrays = Mapping[str, NDArray[Any]]
 METADATA = "metadata_json"
@@ -53,27 +56,36 @@ def write(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> str:
 
     Raises:
         InputError: `cannot-write` where the folder does not take the file.
+        DiskFullError: `disk-full`.
     """
     identity = content_id(arrays, metadata)
     temporary = ""
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
         os.close(handle)
-        with h5py.File(temporary, "w") as file:
-            file.attrs["id"] = identity
-            for key, value in metadata.items():
-                if isinstance(value, str | int | float):
-                    file.attrs[key] = value
-            for name in sorted(arrays):
-                file.create_dataset(name, data=canonical_array(arrays[name]))
-            file.create_dataset(METADATA, data=canonical_json(metadata))
+        with closing(UnfailingFile(Path(temporary))) as disk:
+            with h5py.File(disk, "w") as file:
+                _fill(file, identity, arrays, metadata)
+            disk.check()
         _settle(Path(temporary), path)
     except OSError as error:
         if temporary:
             Path(temporary).unlink(missing_ok=True)
+        if is_disk_full(error):
+            raise DiskFullError(path) from error
         message = f"{path} cannot be written ({error.strerror or error}): choose another folder."
         raise InputError(message, code="cannot-write") from error
     return identity
+
+
+def _fill(file: h5py.File, identity: str, arrays: Arrays, metadata: Mapping[str, Any]) -> None:
+    file.attrs["id"] = identity
+    for key, value in metadata.items():
+        if isinstance(value, str | int | float):
+            file.attrs[key] = value
+    for name in sorted(arrays):
+        file.create_dataset(name, data=canonical_array(arrays[name]))
+    file.create_dataset(METADATA, data=canonical_json(metadata))
 
 
 def _settle(temporary: Path, path: Path) -> None:

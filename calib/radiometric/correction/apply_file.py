@@ -21,6 +21,7 @@ from calib.radiometric.correction.apply import Correction, Radiance
 from calib.radiometric.correction.flags import Flag
 from calib.recording.durable import disk_errors, in_new_parents, partial_path, refuse_existing, sync
 from calib.recording.header import Block
+from calib.recording.unfailing_file import UnfailingFile
 
 _LAYERS = ("radiance", "std", "flags")
 
@@ -39,7 +40,8 @@ class RadianceFile:
         self._std = std
         self._block: h5py.Group | None = None
         with disk_errors(path):
-            self._file = h5py.File(self._partial, "w")
+            self._disk = UnfailingFile(self._partial)
+            self._file = h5py.File(self._disk, "w")
 
     def __enter__(self) -> Self:
         return self
@@ -51,8 +53,8 @@ class RadianceFile:
         trace: TracebackType | None,
     ) -> None:
         """Remove what was not finished."""
-        if self._file:
-            self._file.close()
+        self._file.close()
+        self._disk.close()
         self._partial.unlink(missing_ok=True)
 
     def set_metadata(self, attributes: dict[str, Any]) -> None:
@@ -95,11 +97,13 @@ class RadianceFile:
                     self._block.create_dataset(
                         name, data=layer, maxshape=(None, layer.shape[1]), chunks=layer.shape
                     )
+            self._disk.check()
 
     def finish(self) -> None:
         """Bring the file to the disk and give it its name."""
         with disk_errors(self._path):
             self._file.close()
+            self._disk.check()
             sync(self._partial)
             self._partial.replace(self._path)
             sync(self._path.parent)
