@@ -10,14 +10,14 @@ def order_choice(choice: OrderChoice) -> Figure:
     """Draw the prediction error by order beside the paper's residual."""
     figure = new_figure(height_in=3.0)
     axes = figure.subplots()
-    axes.semilogy(
+    axes.plot(
         choice.orders,
         [100 * e for e in choice.residual_std],
         "s--",
         color=GREY,
         label=f"residual (AgCam's choice: {choice.by_residual})",
     )
-    axes.semilogy(
+    axes.plot(
         choice.orders,
         [100 * e for e in choice.held_out_rms],
         "o-",

@@ -27,11 +27,17 @@ def linearity(found: CoefficientSet, blocks: Sequence[BlockStatistics]) -> Figur
         color = CYCLE[index % len(CYCLE)]
         upper.plot(exposure[whole], signal[whole], "o", color=color, ms=4, label=f"level {level:g}")
         upper.plot(exposure[~whole], signal[~whole], "x", color=GREY, ms=5)
-        expected = _per_us(exposure[whole], signal[whole])
-        if expected is not None:
-            upper.plot(exposure, expected * exposure, color=color, lw=0.8)
-            residual = 100.0 * (signal[whole] / (expected * exposure[whole]) - 1.0)
-            lower.plot(exposure[whole], residual, "o-", color=color, ms=3, lw=0.8)
+        if not whole.any():
+            continue
+        per_us = float(np.sum(signal[whole]) / np.sum(exposure[whole]))
+        upper.plot([0.0, *exposure[whole]], [0.0, *per_us * exposure[whole]], color=color, lw=0.6)
+        if whole.sum() > 1:  # a single exposure leaves no residual
+            line = per_us * exposure[whole]
+            std = np.array([_signal_std(found, s) for s in chosen])[whole]
+            lower.errorbar(
+                exposure[whole], 100.0 * (signal[whole] / line - 1.0), yerr=200.0 * std / line,
+                fmt="o-", color=color, ms=3, lw=0.8, capsize=2,
+            )  # fmt: skip
     upper.axhline(full_scale, color=INK, lw=0.8, ls="--")
     upper.set_ylim(0.0, 1.06 * full_scale)
     upper.set(
@@ -39,7 +45,7 @@ def linearity(found: CoefficientSet, blocks: Sequence[BlockStatistics]) -> Figur
     )
     figure.legend(loc="outside right upper")
     lower.axhline(0.0, color=INK, lw=0.8)
-    lower.set(xlabel="exposure, µs", ylabel="residual, %")
+    lower.set(xlabel="exposure, µs", ylabel="residual ± 2σ, %", xlim=(0.0, None))
     return figure
 
 
@@ -70,13 +76,12 @@ def _signal(found: CoefficientSet, block: BlockStatistics) -> float:
     return float(np.mean((block.mean_dn - dark)[found.valid]))
 
 
+def _signal_std(found: CoefficientSet, block: BlockStatistics) -> float:
+    """Return the mean's standard uncertainty from noise: the block's own and the dark level's."""
+    own = (block.variance_dn2 / block.n_lines + found.dark_offset_dn_std**2)[found.valid]
+    return float(np.sqrt(np.sum(own)) / len(own))
+
+
 def _unclipped(found: CoefficientSet, block: BlockStatistics) -> bool:
     clipped = block.n_at_full_scale[found.valid] > 0.001 * block.n_lines
     return not bool(clipped.any())
-
-
-def _per_us(exposure_us: np.ndarray, signal: np.ndarray) -> float | None:
-    """Return the slope through the origin, DN/µs; None for a single point."""
-    if len(exposure_us) < 2:
-        return None
-    return float(np.sum(signal) / np.sum(exposure_us))
