@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from calib.errors import DarkflatError
+from calib.errors import DarkflatError, reason_of
 from service.cli.stopping import StoppedError, stopping
 from service.store.plain_json import dumps
 
@@ -49,29 +49,33 @@ class Answer:
         if show is not None and self.for_people:
             from service.cli.consoles import output  # noqa: PLC0415
 
-            with _standard_output():
+            with standard_output():
                 show(output())
 
     def write_json(self, content: Any) -> None:
         """Write `content` where `--json` says, whole or not at all; nowhere without it."""
         if self._json_to == "-":
-            with _standard_output():
+            with standard_output():
                 sys.stdout.write(dumps(content))
         elif self._json_to is not None:
-            _write(Path(self._json_to), dumps(content))
+            from calib.recording.durable import disk_errors  # noqa: PLC0415
+
+            with disk_errors(Path(self._json_to)):
+                _write(Path(self._json_to), dumps(content))
 
 
 @contextmanager
-def _standard_output() -> Iterator[None]:
+def standard_output() -> Iterator[None]:
     """Have what is printed leave this process here, where it can be told that it did not."""
     try:
         yield
         sys.stdout.flush()
-    except OSError:
+    except OSError as error:
         # What is still buffered would be tried once more at the end, with a traceback.
         with suppress(OSError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise
+        msg = f"the answer cannot be written to standard output ({reason_of(error)}): make room"
+        raise DarkflatError(msg, code=_code(error)) from error
 
 
 def _write(path: Path, text: str) -> None:

@@ -1,7 +1,11 @@
 """`darkflat`: all its commands, each in a file of its own."""
 
+import sys
+
 import typer
 
+from calib.errors import DarkflatError
+from service.cli.answering import FAILED, standard_output
 from service.cli.commands.apply import apply
 from service.cli.commands.calibrate import calibrate
 from service.cli.commands.demo import demo
@@ -37,4 +41,9 @@ app.add_typer(store, name="store")
 
 def main() -> None:
     """Run `darkflat`."""
-    app()
+    try:
+        with standard_output():  # of `--help`; commands see to their own
+            app()
+    except DarkflatError as error:
+        print(f"darkflat: {error}", file=sys.stderr)  # noqa: T201
+        sys.exit(FAILED)
