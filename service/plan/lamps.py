@@ -1,9 +1,10 @@
 """How the lamps are held between blocks."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
+from service.plan.by_level import levels_quoted
 from service.plan.part import PlanPart
 
 LampMode = Literal["keep", "off_between_blocks"]
@@ -14,7 +15,9 @@ class LampUse(PlanPart):
 
     mode: LampMode = "keep"
     """`keep`: they burn on, behind the cap of a dark too. `off_between_blocks`: off after each."""
-    per_level: dict[float, LampMode] = Field(default_factory=dict)
+    per_level: Annotated[dict[float, LampMode], BeforeValidator(levels_quoted)] = Field(
+        default_factory=dict
+    )
     """The mode of single levels, e.g. `{ 6 = "off_between_blocks" }`."""
     ramp_s: float = Field(default=1.3, ge=0)
     """What lighting one lamp, or putting one out, takes; for the time estimate only."""

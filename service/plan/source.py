@@ -2,8 +2,9 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
+from service.plan.by_level import levels_quoted
 from service.plan.part import PlanPart
 
 Share = Annotated[float, Field(ge=0, lt=1)]
@@ -23,7 +24,9 @@ class PlanSource(PlanPart):
     identity: str = ""
     """Free text: make and serial number."""
     radiance_unit: str = "W m-2 sr-1"
-    radiance: dict[float, Annotated[float, Field(ge=0)]] = Field(default_factory=dict)
+    radiance: Annotated[
+        dict[float, Annotated[float, Field(ge=0)]], BeforeValidator(levels_quoted)
+    ] = Field(default_factory=dict)
     """Nominal radiance by level; a level that is missing here is unknown, not 0."""
     wavelength_nm: float | None = Field(default=None, gt=0)
     photons_per_pixel_per_us: float | None = Field(default=None, gt=0)

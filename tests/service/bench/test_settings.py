@@ -52,9 +52,9 @@ def test_a_wrong_bench_file_is_one_sentence(content, said):
     assert caught.value.code == "bench-invalid"
 
 
-@pytest.mark.parametrize("name", ["simulated", "in-process", "hardware"])
-def test_every_example_is_a_bench(name):
-    assert BenchSettings.load(EXAMPLES / f"{name}.toml").id == name
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
+def test_every_example_is_a_bench(path):
+    assert BenchSettings.load(path).id == path.stem
 
 
 def test_the_simulated_bench_stands_on_real_protocols():

@@ -62,6 +62,10 @@ NONSENSE = {
         {"source": {"monitor_relative_std": -0.01}},
         "source.monitor_relative_std = -0.01",
     ),
+    "a level that TOML splits at its point": (
+        {"source": {"radiance": {"0": {"25": 3.0}}}},
+        'source.radiance: a level with a point needs quotes in TOML: "0.25"',
+    ),
     "a level is no number": ({"source": {"radiance": {"one": 1.0}}}, "source.radiance.one"),
     "frames do not fill the block": ({"frame_lines": 7}, "frame_lines = 7 does not divide 64"),
     "exposure beyond the line period": (
