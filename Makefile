@@ -24,7 +24,7 @@ demo: setup
 	$(BIN)/darkflat demo --out demo
 
 test: setup
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 2 --dist loadgroup
 
 check: setup
 	$(BIN)/ruff format --check .

@@ -22,6 +22,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    for item in items:
+        # One simulated camera at a time can hold the address: its tests share a worker.
+        if item.get_closest_marker("aravis"):
+            item.add_marker(pytest.mark.xdist_group("camera"))
     if config.getoption("--bench") is not None:
         return
     skip = pytest.mark.skip(reason="needs a real bench: --bench BENCH.toml")
