@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.paths import path_option
 from service.cli.progress import progress
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 def demo(
     *,
-    out: Annotated[Path, typer.Option(help="The folder for what it makes")] = Path("demo"),
+    out: Annotated[Path, path_option(help="The folder for what it makes")] = Path("demo"),
     seed: Annotated[int | None, typer.Option(min=0, help="Of the simulated noise")] = None,
     json: Json = None,
 ) -> None:

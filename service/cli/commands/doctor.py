@@ -6,6 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from service.cli.answering import FAILED, Json, answering
+from service.cli.paths import path_option
 
 _SIGNS = {"ok": "[green]✓[/]", "advice": "[yellow]![/]", "missing": "[red]✗[/]"}
 
@@ -13,7 +14,7 @@ _SIGNS = {"ok": "[green]✓[/]", "advice": "[yellow]![/]", "missing": "[red]✗[
 def doctor(
     bench: Annotated[
         Path | None,
-        typer.Option(metavar="bench.toml", help="Ask its devices too; the lamps go off"),
+        path_option(metavar="bench.toml", help="Ask its devices too; the lamps go off"),
     ] = None,
     json: Json = None,
 ) -> None:

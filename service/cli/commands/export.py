@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.paths import path_argument, path_option
 from service.cli.progress import progress, share_of
 
 
@@ -20,8 +21,8 @@ class FrameFormat(StrEnum):
 
 
 def export(
-    recording: Annotated[Path, typer.Argument(metavar="REC", help="An .h5 or a recording folder")],
-    out: Annotated[Path, typer.Option(help="The folder to make")],
+    recording: Annotated[Path, path_argument(metavar="REC", help="An .h5 or a recording folder")],
+    out: Annotated[Path, path_option(help="The folder to make")],
     frame_format: Annotated[
         FrameFormat, typer.Option("--format", help="Of the frames")
     ] = FrameFormat.NPY,

@@ -6,13 +6,14 @@ from typing import Annotated
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.paths import path_option
 
 
 def serve(
     *,
     host: Annotated[str | None, typer.Option(help="127.0.0.1 where not given")] = None,
     port: Annotated[int | None, typer.Option(min=0, max=65535, help="0: any that is free")] = None,
-    bench: Annotated[Path | None, typer.Option(metavar="bench.toml")] = None,
+    bench: Annotated[Path | None, path_option(metavar="bench.toml")] = None,
     json: Json = None,
 ) -> None:
     """Serve recordings, calibrations and coefficient sets over HTTP, on this machine alone."""

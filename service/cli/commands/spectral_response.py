@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.paths import path_argument, path_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -13,15 +14,15 @@ if TYPE_CHECKING:
 
 def spectral_response(
     scan_folder: Annotated[
-        Path, typer.Argument(help="scan.csv, reference.csv, photodiode.csv, and frames/ if any")
+        Path, path_argument(help="scan.csv, reference.csv, photodiode.csv, and frames/ if any")
     ],
     *,
     out: Annotated[
-        Path, typer.Option(metavar="RESPONSE.csv", help="The response to write, with its std")
+        Path, path_option(metavar="RESPONSE.csv", help="The response to write, with its std")
     ],
     angle_deg: Annotated[float, typer.Option(help="Of incidence; one of the scan's")] = 0.0,
     figure: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="A drawing: .svg, .png or .pdf")
+        Path | None, path_option(metavar="FILE", help="A drawing: .svg, .png or .pdf")
     ] = None,
     json: Json = None,
 ) -> None:

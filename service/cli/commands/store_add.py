@@ -6,10 +6,11 @@ from typing import Annotated
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.paths import path_argument
 
 
 def add(
-    file: Annotated[Path, typer.Argument(metavar="SET.h5")],
+    file: Annotated[Path, path_argument(metavar="SET.h5")],
     by: Annotated[str | None, typer.Option(help="Who; the user's name where not given")] = None,
     json: Json = None,
 ) -> None:

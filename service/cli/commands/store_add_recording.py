@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.paths import path_argument
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def add_recording(
-    recording: Annotated[Path, typer.Argument(metavar="REC", help="An .h5 or a recording folder")],
+    recording: Annotated[Path, path_argument(metavar="REC", help="An .h5 or a recording folder")],
     by: Annotated[str | None, typer.Option(help="Who; the user's name where not given")] = None,
     json: Json = None,
 ) -> None:

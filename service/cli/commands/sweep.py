@@ -7,6 +7,7 @@ import typer
 
 from calib.errors import DarkflatError
 from service.cli.answering import Answer, Json, answering
+from service.cli.paths import path_argument, path_option
 from service.cli.progress import progress
 
 if TYPE_CHECKING:
@@ -15,14 +16,14 @@ if TYPE_CHECKING:
 
 
 def sweep(
-    plan: Annotated[Path, typer.Argument(metavar="PLAN.toml")],
+    plan: Annotated[Path, path_argument(metavar="PLAN.toml")],
     *,
     out: Annotated[
-        Path | None, typer.Option(metavar="REC.h5", help="The recording to write")
+        Path | None, path_option(metavar="REC.h5", help="The recording to write")
     ] = None,
     bench: Annotated[
         Path | None,
-        typer.Option(metavar="bench.toml", help="Else ./bench.toml, else simulated"),
+        path_option(metavar="bench.toml", help="Else ./bench.toml, else simulated"),
     ] = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on at the first block that is not whole")
