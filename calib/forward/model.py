@@ -90,6 +90,14 @@ class Model:
         """Return a model that comes with darkflat: `model_file.preset_names()` lists them."""
         return cls.loads(model_file.preset_text(name), where=f"preset {name}")
 
+    @classmethod
+    def named(cls, text: str) -> "Model":
+        """Return the preset of that name, or the model of that file: `model_file.is_preset_name`.
+
+        The one rule for a model that somebody names in a command, an option or a bench file.
+        """
+        return cls.preset(text) if model_file.is_preset_name(text) else cls.load(text)
+
     def dumps(self) -> str:
         """Return the model as TOML; `loads` gives the same model back."""
         return model_file.text_of(self.camera, self.source, self.effects)

@@ -5,8 +5,10 @@
 [effects.vignette]  one table per effect, its parameters by name
 """
 
+import os
 import tomllib
 from importlib.resources import files
+from pathlib import PurePath
 from typing import TypeVar
 
 import tomli_w
@@ -51,6 +53,14 @@ def text_of(camera: CameraHeader, source: SourceHeader, effects: tuple[Effect, .
     )
 
 
+def is_preset_name(text: str) -> bool:
+    """Tell whether `text` names a preset: it has no ending and no folder, whatever files there are.
+
+    So a file or folder that happens to be called like a preset never takes its place.
+    """
+    return PurePath(text).suffix == "" and not {"/", os.sep}.intersection(text)
+
+
 def preset_names() -> tuple[str, ...]:
     """Return the models that come with darkflat."""
     folder = files("calib.forward").joinpath("presets")
@@ -62,7 +72,8 @@ def preset_text(name: str) -> str:
     """Return the model file of the preset `name`; InputError naming all where there is none."""
     if name not in preset_names():
         raise InputError(
-            f"unknown preset {name!r}; allowed: {', '.join(preset_names())}.",
+            f"unknown preset {name!r}; allowed: {', '.join(preset_names())};"
+            f" a model file has an ending, or is named with its folder.",
             code="unknown-preset",
         )
     return files("calib.forward").joinpath("presets", f"{name}.toml").read_text(encoding="utf-8")

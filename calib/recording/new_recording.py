@@ -22,13 +22,17 @@ def new_recording(out: Path) -> Iterator[Path]:
         DarkflatError: `cannot-write`, `disk-full`.
     """
     check_ending(out)
-    refuse_existing(out, commit_path(out))
     partial = partial_path(out)
-    remains = (partial, commit_path(partial))
+    remains = [partial, commit_path(partial)]
+    refuse_existing(out)
+    if _was_killed_while_renaming(out, partial):
+        remains.append(commit_path(out))
+    else:
+        refuse_existing(commit_path(out))
     with in_new_parents(out):
         try:
             with disk_errors(out):
-                for each in remains:
+                for each in reversed(remains):
                     each.unlink(missing_ok=True)
             yield partial
             with disk_errors(out):
@@ -36,6 +40,15 @@ def new_recording(out: Path) -> Iterator[Path]:
                 commit_path(partial).rename(commit_path(out))
                 partial.rename(out)
         finally:
-            for each in remains:
+            for each in (partial, commit_path(partial)):
                 with suppress(OSError):
                     each.unlink()
+
+
+def _was_killed_while_renaming(out: Path, partial: Path) -> bool:
+    """Tell whether `out`'s commit record is there alone because the second rename never came.
+
+    Its file is then still under the hidden name, and that name's record is gone. A record alone
+    without these traces belongs to a file that somebody moved away, and must not be lost.
+    """
+    return commit_path(out).exists() and partial.exists() and not commit_path(partial).exists()

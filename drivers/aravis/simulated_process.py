@@ -21,11 +21,11 @@ class SimulatedCameraProcess:
     group of its own, and stays while its client cleans up.
 
     Args:
-        model: A model file, or the name of a preset.
+        model: A model file as a Path; as text, what `Model.named` understands.
         world: The file of the simulated world (`drivers.mock.world`).
-        serial: The serial number that the camera tells.
+        serial: The serial number that the camera tells; the model's where None.
         interface: The address it answers at; it must be one of this machine's own.
-        seed: Of the noise; None takes one from the system.
+        seed: Of the noise of its first start, which no later one repeats; None: the system's.
         dialect: How it names its features: `sfnc2`, or `sfnc1` as older cameras do.
         wait_s: How long to wait for an address that another simulated camera occupies.
         ready_within_s: Deadline for its start, the compilation of the kernels included.
@@ -36,7 +36,7 @@ class SimulatedCameraProcess:
         model: Path | str,
         world: Path,
         *,
-        serial: str = "SIM1",
+        serial: str | None = None,
         interface: str = "127.0.0.1",
         seed: int | None = None,
         dialect: str = "sfnc2",
@@ -45,14 +45,14 @@ class SimulatedCameraProcess:
     ) -> None:
         self.address = interface
         self._arguments = [
-            *("--model", str(model)),
+            *("--model", str(model.absolute() if isinstance(model, Path) else model)),
             *("--world", str(world)),
-            *("--serial", serial),
+            *(() if serial is None else ("--serial", serial)),
             *("--interface", interface),
             *("--dialect", dialect),
             *("--wait", str(wait_s)),
-            *(() if seed is None else ("--seed", str(seed))),
         ]
+        self._seeded: tuple[str, ...] = () if seed is None else ("--seed", str(seed))
         self._deadline_s = ready_within_s + wait_s
         self._process: subprocess.Popen[str] | None = None
         self._reader: threading.Thread | None = None
@@ -67,8 +67,9 @@ class SimulatedCameraProcess:
         """
         self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115  lives as long as the process
         self._answers = queue.Queue()
+        seeded, self._seeded = self._seeded, ()
         self._process = subprocess.Popen(  # noqa: S603  our own module
-            [sys.executable, "-m", "drivers.aravis.simulated", *self._arguments],
+            [sys.executable, "-m", "drivers.aravis.simulated", *self._arguments, *seeded],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
@@ -114,6 +115,10 @@ class SimulatedCameraProcess:
     def resume(self) -> None:
         """Send frames again."""
         self._tell("resume")
+
+    def draw_afresh(self) -> None:
+        """Draw noise from now on that no seed repeats."""
+        self._tell("afresh")
 
     def hang(self) -> None:
         """Fault: stop answering at all, without dying, until `wake`."""

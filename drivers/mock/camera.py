@@ -124,6 +124,11 @@ class MockCamera:
                 told |= asdict(self._settings)
             return {name: str(value) for name, value in told.items()}
 
+    def draw_afresh(self) -> None:
+        """Draw noise from now on that no seed repeats."""
+        with self._lock:
+            self._sensor.draw_afresh()
+
     def close(self) -> None:
         """Release the camera; every later call but this one fails."""
         self._closed = True

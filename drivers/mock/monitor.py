@@ -2,6 +2,7 @@
 
 import time
 
+import numpy as np
 from numpy.random import Generator
 
 from drivers.errors import DeviceError
@@ -55,6 +56,10 @@ class MockMonitor:
                 code="monitor-overflow",
             )
         return MonitorReading(current_a, time.time_ns())
+
+    def draw_afresh(self) -> None:
+        """Draw noise from now on that no seed repeats."""
+        self._rng = np.random.default_rng()
 
     def close(self) -> None:
         """Release it; safe to call twice."""

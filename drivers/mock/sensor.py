@@ -53,6 +53,10 @@ class VirtualSensor:
         region = dn[:, first : first + settings.n_columns]
         return aligned(region, self.model.camera.bit_depth, settings.pixel_format)
 
+    def draw_afresh(self) -> None:
+        """Draw noise from now on that no seed repeats."""
+        self._rng = np.random.default_rng()
+
     def conditions(self, settings: CameraSettings, started_s: float) -> Conditions:
         """Return the conditions of that frame: the camera's settings, and the world as it is."""
         world = self.world.state()

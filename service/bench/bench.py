@@ -23,6 +23,7 @@ class Bench:
         shutter: Caps the camera for darks.
         caps_by_lamps_off: True where a dark means that the lamps are off.
         sensor_columns: How many columns the camera has, where the bench file's model says so.
+        camera_band: The spectral band of the camera, where the bench file's model says so.
         simulated: What stands in for hardware, and injects its faults; None on real hardware.
     """
 
@@ -36,6 +37,7 @@ class Bench:
         monitor: Monitor | None = None,
         caps_by_lamps_off: bool = False,
         sensor_columns: int | None = None,
+        camera_band: str = "",
         simulated: Simulated | None = None,
     ) -> None:
         self.id = bench_id
@@ -45,6 +47,7 @@ class Bench:
         self.shutter = shutter
         self.caps_by_lamps_off = caps_by_lamps_off
         self.sensor_columns = sensor_columns
+        self.camera_band = camera_band
         self.simulated = simulated
         self._resources = ExitStack()
         self._afterwards = ExitStack()

@@ -36,7 +36,9 @@ def open_camera(part: CameraPart, simulated: Simulated | None) -> LinescanCamera
 
             known = present(simulated)
             model = known.model()
-            return MockCamera(model, known.world, known.simulation.seed, paced=part.paced)
+            camera = MockCamera(model, known.world, known.simulation.seed, paced=part.paced)
+            known.reseeding.append(camera.draw_afresh)
+            return camera
 
 
 def open_monitor(part: MonitorPart, simulated: Simulated | None) -> Monitor | None:
@@ -56,12 +58,14 @@ def open_monitor(part: MonitorPart, simulated: Simulated | None) -> Monitor | No
             from drivers.mock.monitor import MockMonitor  # noqa: PLC0415
 
             known = present(simulated)
-            return MockMonitor(
+            monitor = MockMonitor(
                 known.world,
                 np.random.default_rng(known.simulation.seed),
                 integration_s=part.integration_s,
                 range_a=part.range_a,
             )
+            known.reseeding.append(monitor.draw_afresh)
+            return monitor
         case NoMonitorPart():
             return None
 

@@ -63,6 +63,7 @@ def _open_devices(settings: BenchSettings, resources: ExitStack, ask: Ask | None
         shutter=shutter,
         caps_by_lamps_off=settings.shutter.driver == "lamps_off",
         sensor_columns=_sensor_columns(settings, simulated),
+        camera_band=_camera_band(settings, simulated),
         simulated=simulated,
     )
 
@@ -72,3 +73,12 @@ def _sensor_columns(settings: BenchSettings, simulated: Simulated | None) -> int
     if simulated is None or settings.camera.driver != "mock":
         return None
     return simulated.model().camera.columns
+
+
+def _camera_band(settings: BenchSettings, simulated: Simulated | None) -> str:
+    """No camera tells the filter in front of it; a simulated one has that of its model."""
+    if simulated is None or not (
+        settings.needs_simulated_camera or settings.camera.driver == "mock"
+    ):
+        return ""
+    return simulated.model().camera.band

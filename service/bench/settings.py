@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import Field, ValidationError, model_validator
 
 from calib.errors import InputError, reason_of
+from calib.forward.model_file import is_preset_name
 from service.bench.camera_settings import AravisCameraPart, CameraPart
 from service.bench.light_settings import GenLightPart, LightPart, MightexLightPart
 from service.bench.monitor_settings import KeithleyMonitorPart, MonitorPart, NoMonitorPart
@@ -19,11 +20,13 @@ class Simulation(BenchPart):
     """A bench that is not there: what its camera sees, and what lights it."""
 
     model: str = "agcam-nir"
-    """A preset's name, or a model file relative to the bench file."""
+    """A preset's name, or a model file relative to the bench file; see `Model.named`."""
     lamps: int = Field(default=6, ge=1, le=31)
     seed: int | None = Field(default=None, ge=0)
-    """Of the noise; None takes one from the system."""
-    camera_serial: str = "SIM1"
+    """Of the noise of a run from its beginning; None takes one from the system, as does a resumed
+    run, which must not repeat the noise of what it goes on with."""
+    camera_serial: str | None = None
+    """What the simulated camera tells; None: the model's."""
     interface: str = "127.0.0.1"
     """At which the simulated GigE Vision camera answers."""
     camera_wait_s: float = Field(default=30.0, ge=0)
@@ -117,7 +120,7 @@ class BenchSettings(BenchPart):
 
 def _beside(simulation: Simulation, folder: Path) -> Simulation:
     changed: dict[str, Any] = {}
-    if simulation.model.endswith(".toml"):
+    if not is_preset_name(simulation.model):
         changed["model"] = str(folder / simulation.model)
     if simulation.world is not None:
         changed["world"] = folder / simulation.world

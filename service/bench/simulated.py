@@ -1,8 +1,10 @@
 """Starts what a simulated bench consists of: the world, the emulators, the camera's process."""
 
 import tempfile
+from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,12 +29,23 @@ class Simulated:
             where there is none.
         camera: The process with the simulated GigE Vision camera, which injects its faults; None
             where there is none.
+        reseeding: For each device that draws noise, what makes it draw noise of its own.
     """
 
     simulation: Simulation
     world: World
     emulators: "EmulatorProcess | None" = None
     camera: "SimulatedCameraProcess | None" = None
+    reseeding: list[Callable[[], None]] = field(default_factory=list)
+
+    def draw_afresh(self) -> None:
+        """Let every device draw noise that no seed repeats, whatever the bench file says.
+
+        For an attempt that goes on with a recording: with the noise of the first attempt once
+        more, its frames would not be independent of those that are there.
+        """
+        for reseed in self.reseeding:
+            reseed()
 
     @property
     def camera_address(self) -> str:
@@ -43,8 +56,9 @@ class Simulated:
         """Return the forward model that its camera shows."""
         from calib.forward.model import Model  # noqa: PLC0415
 
-        name = self.simulation.model
-        return Model.load(name) if name.endswith(".toml") else Model.preset(name)
+        model = Model.named(self.simulation.model)
+        serial = self.simulation.camera_serial or model.camera.serial
+        return replace(model, camera=model.camera.model_copy(update={"serial": serial}))
 
     def port(self, name: str) -> str:
         """Return the port of the emulated controller `name`."""
@@ -71,7 +85,12 @@ def start_simulated(settings: BenchSettings, resources: ExitStack) -> Simulated 
         emulators = _start_emulators(simulation, world, n_lamps, resources, led=has_led)
     if settings.needs_simulated_camera:
         camera = _start_camera(simulation, world, resources)
-    return Simulated(simulation, world, emulators, camera)
+    simulated = Simulated(simulation, world, emulators, camera)
+    if camera is not None:
+        simulated.reseeding.append(camera.draw_afresh)
+    if emulators is not None:
+        simulated.reseeding.append(partial(emulators.inject, "monitor afresh"))
+    return simulated
 
 
 def _world(simulation: Simulation, n_lamps: int, resources: ExitStack) -> World:

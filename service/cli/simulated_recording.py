@@ -30,12 +30,6 @@ Scenes = Mapping[str, NDArray[np.float64]]
 Progress = Callable[[float], None]
 
 
-def load_model(model: Path) -> Model:
-    """Return the model of a file, or the preset of that name where there is no such file."""
-    is_name = model.name == str(model) and model.suffix != ".toml"
-    return Model.preset(str(model)) if is_name and not model.exists() else Model.load(model)
-
-
 def simulate_recording(
     model: Model,
     plan: Plan,
@@ -144,9 +138,9 @@ def _header(model: Model, plan: Plan, columns: int) -> RecordingHeader:
     camera = planned.camera.model_validate(
         {"started_at": datetime.now(UTC).replace(microsecond=0), **known, **stated}
     )
-    source = planned.source
-    if "radiance_unit" not in plan.source.model_fields_set:
-        source = source.model_copy(update={"radiance_unit": model.source.radiance_unit})
+    left_open = {"radiance_unit", "lamps"} - plan.source.model_fields_set
+    lit_by = model.source.model_dump(include=left_open, exclude_none=True)
+    source = planned.source.model_copy(update=lit_by)
     return planned.model_copy(update={"camera": camera, "source": source})
 
 

@@ -32,6 +32,7 @@ class PlanCamera(PlanPart):
     serial: str = ""
     """If given, the run refuses every other camera."""
     band: str = ""
+    """Of its filter; empty: what the bench knows, as a simulated one does from its model."""
     taps: int = Field(default=1, ge=1)
     tap_layout: TapLayout = "single"
 

@@ -14,6 +14,7 @@ def recording_header(
     blocks: tuple[Block, ...] = (),
     model: str = "",
     serial: str = "",
+    band: str = "",
     started_at: datetime | None = None,
     **provenance: Any,
 ) -> RecordingHeader:
@@ -25,6 +26,7 @@ def recording_header(
         blocks: Those that are already known.
         model: What the camera says of itself; the plan's own text goes before it.
         serial: Likewise.
+        band: What the bench knows of it; likewise.
         started_at: UTC; block times count from it.
         provenance: More keys for the header; readers keep them and say so.
     """
@@ -40,7 +42,7 @@ def recording_header(
             taps=camera.taps,
             tap_layout=camera.tap_layout,
             line_period_us=camera.line_period_us,
-            band=camera.band,
+            band=camera.band or band,
             started_at=started_at,
         ),
         source=_source(plan),

@@ -59,6 +59,7 @@ def new_recording(
         columns=used.n_columns,
         model=camera.identity.model,
         serial=camera.identity.serial,
+        band=bench.camera_band,
         started_at=datetime.fromtimestamp(clock.wall(), UTC),
     )
     features = {**camera.features(), **_provenance(bench)}

@@ -105,6 +105,8 @@ def _open_recording(
     wanted = camera_settings(plan, bench, steps[0].block.exposure_us)
     used = bench.camera.configure(wanted)
     if resume:
+        if bench.simulated is not None:
+            bench.simulated.draw_afresh()
         return resumed_recording(plan, bench, out, used)
     check_room(out, estimate(plan, steps, columns=used.n_columns).n_bytes)
     return new_recording(plan, bench, out, used, clock)

@@ -1,7 +1,7 @@
 """Runs a simulated GigE Vision linescan camera until its standard input ends.
 
 Prints `ready` once it answers; then each line on standard input is a fault, answered with `ok`:
-`lose RATIO`, `stall`, `resume`.
+`lose RATIO`, `stall`, `resume`, `afresh` (noise that no seed repeats).
 """
 
 import argparse
@@ -40,7 +40,7 @@ def main() -> int:
 
 
 def _serve(arguments: argparse.Namespace, stop: threading.Event) -> None:
-    model = _model(arguments.model)
+    model = Model.named(arguments.model)
     world = World(arguments.world)
     limits = CameraLimits(model.camera.columns, model.camera.bit_depth)
     with held(arguments.interface, arguments.wait), tempfile.TemporaryDirectory() as folder:
@@ -49,7 +49,7 @@ def _serve(arguments: argparse.Namespace, stop: threading.Event) -> None:
         rng = np.random.default_rng(arguments.seed)
         server = Server(
             address=arguments.interface,
-            serial=arguments.serial,
+            serial=arguments.serial or model.camera.serial or "SIM1",
             description=description,
             model=model,
             world=world,
@@ -74,17 +74,12 @@ def _obey(server: Server, stop: threading.Event) -> None:
     stop.set()
 
 
-def _model(name: str) -> Model:
-    path = Path(name)
-    return Model.load(path) if path.suffix == ".toml" or path.exists() else Model.preset(name)
-
-
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m drivers.aravis.simulated", description=__doc__)
     add = parser.add_argument
     add("--model", required=True, help="a model file, or the name of a preset")
     add("--world", required=True, type=Path, help="the file of the simulated world")
-    add("--serial", default="SIM1", help="the serial number that the camera tells")
+    add("--serial", default="", help="the serial number that it tells; the model's where not given")
     add("--interface", default="127.0.0.1", help="an address of this machine to answer at")
     add("--seed", type=int, default=None, help="of the noise")
     add("--dialect", choices=("sfnc2", "sfnc1"), default="sfnc2", help="how it names features")

@@ -33,7 +33,7 @@ class Server:
     ) -> None:
         self._world = world
         self._lost_ratio = 0.0
-        sensor = VirtualSensor(model, world, rng)
+        sensor = self._sensor = VirtualSensor(model, world, rng)
         self._camera = FakeCamera(address, serial, description)
         self._picture = Picture(self._camera, sensor)
         self._reset(model)
@@ -65,6 +65,8 @@ class Server:
                 self._camera.lose_packets(1.0)
             case "resume", []:
                 self._camera.lose_packets(self._lost_ratio)
+            case "afresh", []:
+                self._sensor.draw_afresh()
             case _:
                 return False
         return True

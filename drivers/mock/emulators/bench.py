@@ -31,7 +31,7 @@ class BenchSettings:
         turnaround_s: From the end of a question to the beginning of its answer.
         address_settle_s: How long a newly addressed supply does not listen.
         travel_s: How long the shutter moves.
-        seed: Of the monitor's noise.
+        seed: Of the monitor's noise; None takes one from the system.
     """
 
     lamps: int = 6
@@ -42,7 +42,7 @@ class BenchSettings:
     turnaround_s: float = 0.005
     address_settle_s: float = 0.1
     travel_s: float = 0.1
-    seed: int = 0
+    seed: int | None = None
 
     @property
     def addresses(self) -> Sequence[int]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from drivers.mock.emulators.bench import EmulatedBench
+from drivers.mock.emulators.keithley_6485 import Keithley6485Emulator
 from drivers.mock.emulators.mightex_slc import MightexSlc
 from drivers.mock.emulators.pty_line import PtyLine
 from drivers.mock.emulators.rly16 import Rly16
@@ -22,6 +23,7 @@ LINE is lamps, led, monitor or shutter; LAMP counts from 1.
   lamp LAMP restore    mains and filament are back, the output stays as it is
   led brown-out        the controller restarts
   shutter stick on|off the relays do not move
+  monitor afresh       its noise is from now on such as no seed repeats
 """
 
 
@@ -79,6 +81,8 @@ def _device_faults(line: PtyLine) -> dict[str, Callable[..., None]]:
     device = line.device
     if isinstance(device, MightexSlc):
         return {"brown-out": device.brown_out}
+    if isinstance(device, Keithley6485Emulator):
+        return {"afresh": device.draw_afresh}
     if isinstance(device, Rly16):
         return {"stick": lambda on: setattr(device, "stuck", _on(on))}
     return {}

@@ -8,6 +8,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 
+import numpy as np
 from numpy.random import Generator
 
 from drivers.mock.emulators.pty_line import Reply
@@ -52,6 +53,10 @@ class Keithley6485Emulator:
 
     def tick(self) -> None:
         """Nothing moves by itself."""
+
+    def draw_afresh(self) -> None:
+        """Draw noise from now on that no seed repeats."""
+        self._rng = np.random.default_rng()
 
     def _reset(self) -> None:
         self._zero_check, self._zero_correct = True, False

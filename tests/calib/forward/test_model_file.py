@@ -1,5 +1,6 @@
 """Model files say what is wrong with them in one sentence."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -110,3 +111,27 @@ def test_effects_are_put_in_physical_order_replaced_and_removed() -> None:
     assert model.effect("lamp_drift") is None
     with pytest.raises(InputError, match="adc is missing"):
         model.without("adc")
+
+
+@pytest.mark.parametrize("make", [Path.mkdir, Path.touch], ids=["folder", "file"])
+def test_a_preset_is_found_beside_a_path_of_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, make: Callable[[Path], None]
+) -> None:
+    make(tmp_path / "demo")
+    monkeypatch.chdir(tmp_path)
+    assert Model.named("demo") == Model.preset("demo")
+
+
+@pytest.mark.parametrize("name", ["mine.toml", "./mine.toml", "./demo"])
+def test_an_ending_or_a_folder_names_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path(name).write_text(GOOD)
+    assert Model.named(name) == Model.loads(GOOD)
+
+
+def test_a_name_that_is_no_preset_says_how_to_name_a_file() -> None:
+    with pytest.raises(InputError, match="named with its folder") as caught:
+        Model.named("mine")
+    assert caught.value.code == "unknown-preset"

@@ -7,14 +7,18 @@ import time
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import numpy as np
 import pytest
 
 from drivers.aravis import gi_aravis
 from drivers.aravis.camera import AravisCamera
 from drivers.aravis.simulated.description import described
 from drivers.aravis.simulated.line_clock import LineClock
+from drivers.aravis.simulated_process import SimulatedCameraProcess
 from drivers.errors import DeviceError
 from drivers.mock.limits import CameraLimits
+from drivers.ports import CameraSettings
+from tests.contracts.camera import whole
 from tests.drivers.aravis.conftest import WAIT_S, opened
 
 
@@ -135,3 +139,18 @@ def test_opening_without_aravis_says_how_to_install_it(monkeypatch: pytest.Monke
         gi_aravis.aravis.cache_clear()
     assert caught.value.code == "aravis-missing"
     assert "apt-get install" in str(caught.value)
+
+
+@pytest.mark.aravis
+def test_a_camera_that_starts_again_does_not_repeat_its_seed(
+    tmp_path: Path, world_path: Path, wanted: CameraSettings
+) -> None:
+    residuals = []
+    process = SimulatedCameraProcess("demo", world_path, seed=3, wait_s=WAIT_S)
+    for _ in range(2):
+        with process, opened(process.address) as camera:
+            assert camera.identity.serial == "D0001"
+            camera.configure(wanted)
+            dn = np.concatenate([frame.dn for frame in whole(camera.frames(4))]).astype(float)
+            residuals.append((dn - dn.mean(axis=0)).ravel())
+    assert abs(np.corrcoef(*residuals)[0, 1]) < 4 / np.sqrt(residuals[0].size)
