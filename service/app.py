@@ -1,5 +1,6 @@
 """Where the parts are joined: settings, store, jobs, and the routes."""
 
+import shutil
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from importlib.metadata import PackageNotFoundError, version
@@ -58,8 +59,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
 def _open(settings: Settings) -> Parts:
     store = Store.open(settings)
     settings.work_folder.mkdir(parents=True, exist_ok=True)
-    for left_behind in settings.work_folder.glob("calibration-*.h5"):
-        left_behind.unlink()
+    for left_behind in settings.work_folder.glob("calibration-*"):  # by a service that was killed
+        shutil.rmtree(left_behind) if left_behind.is_dir() else left_behind.unlink()
     runner = JobRunner(store, max_waiting=settings.max_queued_jobs)
     runner.start()
     return Parts(settings, store, runner)

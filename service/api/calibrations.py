@@ -1,4 +1,8 @@
-"""`/v1/calibrations`: from a recording to a coefficient set, as a job."""
+"""`/v1/calibrations`: from a recording to a coefficient set, as a job.
+
+Radiances computed from spectra of the lamps and of the camera belong to the command line alone
+(`darkflat calibrate --lamp-spectra`): here they are given by level.
+"""
 
 import uuid
 from pathlib import Path
@@ -7,12 +11,26 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Response, status
 from pydantic import BaseModel, ConfigDict, Field
 
+from calib.recording.tone import Tone
 from service.api.answers.job import JobAnswer
 from service.api.dependencies import RunnerDep, SettingsDep, StoreDep
 from service.api.openapi import problems
 from service.store.store import Store
 
 router = APIRouter(prefix="/v1/calibrations", tags=["calibrations"])
+
+
+class ToneRequest(BaseModel):
+    """A known synchronous tone to remove."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    cycles_per_pixel: float = Field(description="Cycles per pixel clock; at most 0.5, not 0.")
+    pixels_per_line: float = Field(description="Pixel clocks per line, blanking included.")
+
+    def check(self) -> None:
+        """Raise InputError `tone-invalid` where no tone can be so."""
+        Tone(self.cycles_per_pixel, self.pixels_per_line)
 
 
 class CalibrationRequest(BaseModel):
@@ -27,6 +45,7 @@ class CalibrationRequest(BaseModel):
     relative: bool = Field(default=False, description="Do without radiances.")
     order: int | None = Field(default=None, ge=2, le=20, description="Of the vignette.")
     darks_required: bool = True
+    tone: ToneRequest | None = None
     by: str = Field(default="", max_length=200)
 
 
@@ -39,13 +58,17 @@ def start_calibration(
     runner: RunnerDep,
 ) -> JobAnswer:
     """Queue a calibration; follow it at the `Location`. Its set is added as a draft."""
+    if wanted.tone is not None:
+        wanted.tone.check()
     recording = store.recordings.get(wanted.recording)
-    out = settings.work_folder / f"calibration-{uuid.uuid4().hex}.h5"
+    scratch = settings.work_folder / f"calibration-{uuid.uuid4().hex}"
+    out = scratch / "coefficient-set.h5"
     record = runner.submit(
         "calibrate",
         wanted.model_dump(),
         {"recording_path": recording.path, "out_path": str(out)},
         lambda result: _keep(store, out, result, wanted.by),
+        scratch=scratch,
     )
     response.headers["Location"] = f"/v1/jobs/{record.id}"
     return JobAnswer.of(record)
@@ -56,5 +79,4 @@ def _keep(store: Store, made: Path, result: dict[str, Any], by: str) -> dict[str
     from calib.radiometric.coefficients.coefficient_set import CoefficientSet  # noqa: PLC0415  (slow to import)
 
     store.sets.add(CoefficientSet.load(made), by=by, reason="calibrated")
-    made.unlink()
     return result

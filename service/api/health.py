@@ -5,7 +5,7 @@ from typing import Literal
 from fastapi import APIRouter
 from pydantic import BaseModel
 
-from service.api.dependencies import StoreDep
+from service.api.dependencies import RunnerDep, StoreDep
 from service.api.openapi import problems
 
 router = APIRouter(tags=["health"])
@@ -24,14 +24,16 @@ class Ready(BaseModel):
     store: Literal["writable"] = "writable"
 
 
-@router.get("/healthz")
-def healthz() -> Alive:
-    """Say that the process is alive."""
+@router.get("/healthz", responses=problems())
+def healthz(runner: RunnerDep) -> Alive:
+    """Say that the process is alive and does jobs; a problem where only a restart helps."""
+    runner.check_alive()
     return Alive()
 
 
 @router.get("/readyz", responses=problems())
-def readyz(store: StoreDep) -> Ready:
-    """Say that the store can be written; a problem otherwise."""
+def readyz(store: StoreDep, runner: RunnerDep) -> Ready:
+    """Say that jobs are done and the store can be written; a problem otherwise."""
+    runner.check_alive()
     store.check_writable()
     return Ready()

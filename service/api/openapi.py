@@ -15,7 +15,7 @@ _WHAT = {
     415: "Not of a media type that this operation takes.",
     422: "The request cannot be used as it is.",
     429: "Too many jobs are waiting.",
-    503: "The store cannot be used now.",
+    503: "The store cannot be used now, or no jobs are done any more.",
     507: "The disk is full.",
 }
 

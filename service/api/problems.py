@@ -33,6 +33,7 @@ _STATUS = {
     "store-busy": 503,
     "store-not-writable": 503,
     "store-damaged": 503,
+    "jobs-stopped": 503,
     "disk-full": 507,
 }
 

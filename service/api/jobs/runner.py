@@ -2,8 +2,11 @@
 
 import logging
 import queue
+import shutil
 import threading
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from calib.errors import DarkflatError
@@ -13,24 +16,42 @@ from service.store.records import JobRecord
 from service.store.store import Store
 
 _LOG = logging.getLogger(__name__)
+_TRY_AGAIN_S = 5.0
+_DEFECT = ("internal-error", "a defect in darkflat; its log says more")
 
 Finish = Callable[[dict[str, Any]], dict[str, Any]]
 """What is done with a good result, in the server: it may use the store. Returns the answer."""
 
 
+class JobsStoppedError(DarkflatError):
+    """Nothing takes jobs from the queue any more."""
+
+
+@dataclass(frozen=True)
+class _Queued:
+    id: str
+    kind: str
+    request: dict[str, Any]
+    finish: Finish
+    scratch: Path
+
+
 class JobRunner:
-    """A thread that waits for one process at a time."""
+    """A thread that waits for one process at a time.
+
+    What is on record decides: a job that is final there is not begun, and its result not kept.
+    Whoever changes a record and the process together holds the lock.
+    """
 
     def __init__(self, store: Store, *, max_waiting: int) -> None:
         self._store = store
         self._max_waiting = max_waiting
-        self._queue: queue.SimpleQueue[tuple[str, str, dict[str, Any], Finish] | None] = (
-            queue.SimpleQueue()
-        )
+        self._queue: queue.SimpleQueue[_Queued | None] = queue.SimpleQueue()
         self._lock = threading.Lock()
         self._running: tuple[str, JobProcess] | None = None
         self._progress: dict[str, float] = {}
-        self._cancelled: set[str] = set()
+        self._closing = False
+        self._unrecorded: dict[str, tuple[str, str]] = {}
         self._thread = threading.Thread(target=self._run, name="darkflat-jobs", daemon=True)
 
     def start(self) -> None:
@@ -38,8 +59,20 @@ class JobRunner:
         self._store.jobs.interrupt_all()
         self._thread.start()
 
+    def check_alive(self) -> None:
+        """Raise JobsStoppedError `jobs-stopped` where queued jobs would wait for ever."""
+        if not self._thread.is_alive():
+            msg = "jobs are not done any more; restart the service, its log says why"
+            raise JobsStoppedError(msg, code="jobs-stopped")
+
     def submit(
-        self, kind: str, request: Mapping[str, Any], private: Mapping[str, Any], finish: Finish
+        self,
+        kind: str,
+        request: Mapping[str, Any],
+        private: Mapping[str, Any],
+        finish: Finish,
+        *,
+        scratch: Path,
     ) -> JobRecord:
         """Queue a job.
 
@@ -48,12 +81,13 @@ class JobRunner:
             request: What the client asked for; kept on record.
             private: What the work needs to know besides (paths); never shown.
             finish: Called in the server with the work's result.
+            scratch: A folder for the work alone, which makes it; removed however the job ends.
 
         Raises:
             StoreError: `too-many-jobs`.
         """
         record = self._store.jobs.submit(kind, dict(request), max_waiting=self._max_waiting)
-        self._queue.put((record.id, kind, {**request, **private}, finish))
+        self._queue.put(_Queued(record.id, kind, {**request, **private}, finish, scratch))
         return record
 
     def progress(self, job_id: str) -> float | None:
@@ -62,20 +96,17 @@ class JobRunner:
 
     def cancel(self, job_id: str) -> JobRecord:
         """End a job, whether it waits or runs; one that is done stays as it is."""
-        record = self._store.jobs.get(job_id)
-        if record.state in FINAL:
-            return record
-        with self._lock:
-            self._cancelled.add(job_id)
+        with self._lock:  # waits while a result is kept: then the job has succeeded
+            record = self._store.jobs.finish(job_id, "cancelled")
             if self._running is not None and self._running[0] == job_id:
                 self._running[1].kill()
-        return self._store.jobs.finish(job_id, "cancelled")
+        return record
 
     def close(self) -> None:
         """End the job that runs, forget those that wait; they are marked at the next start."""
         self._queue.put(None)
         with self._lock:
-            self._cancelled.add("*")
+            self._closing = True
             if self._running is not None:
                 self._running[1].kill()
         if self._thread.is_alive():
@@ -83,42 +114,55 @@ class JobRunner:
         self._store.jobs.interrupt_all()
 
     def _run(self) -> None:
-        while (queued := self._queue.get()) is not None:
-            job_id, kind, request, finish = queued
+        while True:
             try:
-                if not self._is_cancelled(job_id) and self._store.jobs.start(job_id):
-                    self._do(job_id, kind, request, finish)
-            except Exception:
-                _LOG.exception("job %s failed", job_id)
-                error = ("internal-error", "a defect in darkflat; its log says more")
-                self._store.jobs.finish(job_id, "failed", error=error)
-
-    def _is_cancelled(self, job_id: str) -> bool:
-        return not self._cancelled.isdisjoint({job_id, "*"})
-
-    def _do(self, job_id: str, kind: str, request: dict[str, Any], finish: Finish) -> None:
-        with self._lock:
-            if self._is_cancelled(job_id):
+                queued = self._queue.get(timeout=_TRY_AGAIN_S if self._unrecorded else None)
+            except queue.Empty:
+                self._record_failures()
+                continue
+            if queued is None:
                 return
-            process = JobProcess(kind, request)
-            self._running = (job_id, process)
+            try:
+                self._do(queued)
+            except DarkflatError as error:
+                self._unrecorded[queued.id] = (error.code, str(error))
+            except Exception:
+                _LOG.exception("job %s failed", queued.id)
+                self._unrecorded[queued.id] = _DEFECT
+            finally:
+                shutil.rmtree(queued.scratch, ignore_errors=True)
+            self._record_failures()
+
+    def _record_failures(self) -> None:
+        """Put on record which jobs failed; while the store refuses, it is tried again later."""
+        for job_id, error in tuple(self._unrecorded.items()):
+            try:
+                self._store.jobs.finish(job_id, "failed", error=error)
+            except Exception as refusal:
+                _LOG.error("that job %s failed cannot be put on record yet: %s", job_id, refusal)
+            else:
+                del self._unrecorded[job_id]
+
+    def _do(self, queued: _Queued) -> None:
+        with self._lock:
+            if self._closing or not self._store.jobs.start(queued.id):
+                return
+            process = JobProcess(queued.kind, queued.request)
+            self._running = (queued.id, process)
         try:
-            done = process.wait(lambda share: self._progress.update({job_id: share}))
+            done = process.wait(lambda share: self._progress.update({queued.id: share}))
         finally:
             with self._lock:
                 self._running = None
-            self._progress.pop(job_id, None)
-        if self._is_cancelled(job_id):
-            return
-        self._record(job_id, done, finish)
+            self._progress.pop(queued.id, None)
+        self._record(queued, done)
 
-    def _record(self, job_id: str, done: Done, finish: Finish) -> None:
-        if done.result is None:
-            self._store.jobs.finish(job_id, "failed", error=done.error)
-            return
-        try:
-            result = finish(done.result)
-        except DarkflatError as error:
-            self._store.jobs.finish(job_id, "failed", error=(error.code, str(error)))
-        else:
-            self._store.jobs.finish(job_id, "succeeded", result=result)
+    def _record(self, queued: _Queued, done: Done) -> None:
+        with self._lock:
+            if self._closing or self._store.jobs.get(queued.id).state in FINAL:
+                return
+            if done.result is None:
+                self._store.jobs.finish(queued.id, "failed", error=done.error)
+                return
+            result = queued.finish(done.result)
+            self._store.jobs.finish(queued.id, "succeeded", result=result)

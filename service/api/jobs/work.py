@@ -13,20 +13,26 @@ Work = Callable[[Mapping[str, Any], Tell], dict[str, Any]]
 
 
 def calibrate(request: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
-    """Calibrate `recording_path` and save the set to `out_path`; return the command's answer."""
+    """Calibrate `recording_path` and save the set to `out_path`; return the command's answer.
+
+    The folder of `out_path` is the job's own and is made here.
+    """
     from calib.radiometric.calibrate import calibrate as determine  # noqa: PLC0415
     from calib.recording.open import open_recording  # noqa: PLC0415
+    from calib.recording.tone import Tone  # noqa: PLC0415
 
-    radiances = request["radiances"]
+    radiances, tone, out = request["radiances"], request["tone"], Path(request["out_path"])
+    out.parent.mkdir()
     calibration = determine(
         open_recording(Path(request["recording_path"])),
         radiances=radiances and {float(level): value for level, value in radiances.items()},
         relative=request["relative"],
         order=request["order"],
         darks_required=request["darks_required"],
+        tone=tone and Tone(**tone),
         progress=tell,
     )
-    calibration.coefficients.save(Path(request["out_path"]))
+    calibration.coefficients.save(out)
     return calibration.answer()
 
 

@@ -11,6 +11,7 @@ from calib.errors import DarkflatError
 from calib.forward.model import Model
 from calib.radiometric.calibrate import calibrate
 from calib.recording.open import open_recording
+from calib.recording.tone import Tone
 from service.api.jobs.process import Done, JobProcess
 from service.app import create_app
 from service.cli.simulated_recording import simulate_recording
@@ -74,7 +75,14 @@ def test_what_cannot_be_calibrated_fails_with_the_sentence_of_the_calibration(
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"radiances": {"2": -1.0}}, {"order": 99}, {"ordre": 4}, {"recording": 5}]
+    "wrong",
+    [
+        {"radiances": {"2": -1.0}},
+        {"order": 99},
+        {"ordre": 4},
+        {"tone": {"cycles_per_pixel": 0.1}},
+        {"recording": 5},
+    ],
 )
 def test_a_request_with_a_mistake_starts_no_job(
     client: TestClient, digest: str, wrong: dict[str, Any]
@@ -82,6 +90,30 @@ def test_a_request_with_a_mistake_starts_no_job(
     answer = client.post(PLACE, json={"recording": digest, **wrong})
     assert (answer.status_code, answer.json()["code"]) == (422, "invalid-request")
     assert client.get("/v1/jobs").json()["items"] == []
+
+
+def test_a_tone_that_cannot_be_starts_no_job(client: TestClient, digest: str) -> None:
+    tone = {"cycles_per_pixel": 0.7, "pixels_per_line": 300.0}
+    answer = client.post(PLACE, json={"recording": digest, "tone": tone})
+    assert (answer.status_code, answer.json()["code"]) == (422, "tone-invalid")
+    assert client.get("/v1/jobs").json()["items"] == []
+
+
+def test_a_tone_is_removed_as_on_the_command_line(
+    client: TestClient, digest: str, recording_file: Path
+) -> None:
+    tone = {"cycles_per_pixel": 0.123, "pixels_per_line": 300.0}
+    expected, other = (
+        calibrate(open_recording(recording_file), tone=each).answer()
+        for each in (Tone(0.123, 300.0), None)
+    )
+    at_axis = expected["responsivity_at_axis"]["value"]
+    assert at_axis != other["responsivity_at_axis"]["value"]
+    started = client.post(PLACE, json={"recording": digest, "tone": tone})
+    job = ended(client, started.headers["Location"])
+    assert job["state"] == "succeeded", job["error"]
+    assert job["result"]["responsivity_at_axis"]["value"] == pytest.approx(at_axis, rel=1e-9)
+    assert job["request"]["tone"] == tone
 
 
 def test_an_unknown_recording_is_not_found(client: TestClient) -> None:

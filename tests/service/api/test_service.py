@@ -12,6 +12,7 @@ from urllib.request import urlopen
 import pytest
 from fastapi.testclient import TestClient
 
+from service.api.dependencies import Parts
 from service.settings import Settings
 from service.store.store import Store
 
@@ -32,6 +33,22 @@ def test_a_store_that_cannot_be_written_is_not_ready(
     monkeypatch.setattr(Store, "check_writable", busy)
     answer = client.get("/readyz")
     assert (answer.status_code, answer.json()["code"]) == (503, "store-not-writable")
+
+
+@pytest.mark.parametrize("place", ["/healthz", "/readyz"])
+def test_a_service_that_does_no_jobs_any_more_says_so(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
+    runner = parts_of(client).runner
+    runner._queue.put(None)
+    runner._thread.join(timeout=10)
+    answer = client.get(place)
+    assert (answer.status_code, answer.json()["code"]) == (503, "jobs-stopped")
+
+
+def parts_of(client: TestClient) -> Parts:
+    parts: Parts = client.app.state.parts  # type: ignore[attr-defined]
+    return parts
 
 
 def test_every_error_is_a_problem(client: TestClient) -> None:
