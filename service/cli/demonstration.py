@@ -2,7 +2,6 @@
 
 import shutil
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,14 +20,14 @@ from calib.recording.open import open_recording
 from calib.recording.protocol import Recording
 from service.bench import BenchSettings, open_bench
 from service.cli.demo_plan import demo_plan
+from service.cli.progress import Report
 from service.cli.reporting import write_calibration_report
 from service.cli.simulated_bench import LAMPS, MODEL, ChosenBench
 from service.cli.stopping import polled, stop_wanted
+from service.cli.sweep_progress import sweep_progress
 from service.plan.model import Plan
 from service.sequencer.events import RunResult
 from service.sequencer.run import run_plan
-
-Report = Callable[[float, str], None]
 
 _MADE = (
     "plan.toml", "recording.h5", "recording.frames.jsonl", "coefficient-set.h5", "radiance.h5",
@@ -129,9 +128,7 @@ def _sweep(settings: BenchSettings, plan: Plan, out: Path, report: Report) -> Ru
             plan,
             out,
             cancelled=stop_wanted,
-            on_progress=lambda at: report(
-                0.05 + 0.75 * at.blocks_done / max(1, at.blocks_total), at.doing
-            ),
+            on_progress=sweep_progress(report, first=0.05, last=0.8),
         )
     if result.state != "succeeded":
         raise DarkflatError("stopped in the middle of the sweep, lamps off", code="cancelled")

@@ -94,6 +94,7 @@ def _run(plan: "Plan", bench_file: Path | None, out: Path, *, resume: bool) -> "
     from service.cli.consoles import notes  # noqa: PLC0415
     from service.cli.simulated_bench import chosen_bench  # noqa: PLC0415
     from service.cli.stopping import polled, stop_wanted  # noqa: PLC0415
+    from service.cli.sweep_progress import sweep_progress  # noqa: PLC0415
     from service.sequencer.run import run_plan  # noqa: PLC0415
 
     chosen = chosen_bench(bench_file)
@@ -110,7 +111,7 @@ def _run(plan: "Plan", bench_file: Path | None, out: Path, *, resume: bool) -> "
             out,
             resume=resume,
             cancelled=stop_wanted,
-            on_progress=lambda at: report(at.blocks_done / max(1, at.blocks_total), at.doing),
+            on_progress=sweep_progress(report),
         )
 
 
