@@ -67,15 +67,25 @@ class SerialLink:
             return self._read_line(command, limit_s)
 
     def query_bytes(self, question: bytes, n_reply: int) -> bytes:
-        """Send `question`; return exactly `n_reply` bytes. Raises as `query` does."""
+        """Send `question`; return its reply of exactly `n_reply` bytes.
+
+        Bytes beyond these answer something else, and nothing says which came first: the link is
+        out of step when some come with the reply (ProtocolError) or lie there before the question.
+        Raises besides as `query` does.
+        """
         with self.lock:
+            if self.ready() and self.port.has_input():
+                self.in_step = False
             self._get_into_step()
             self._ask(question)
             deadline = time.monotonic() + self.timeout_s
             while len(self.port.received) < n_reply:
                 self._read_before(deadline, repr(question))
+            reply = bytes(self.port.received)
+            if len(reply) > n_reply:
+                raise self.protocol_error(f"{reply!r} is longer than a reply to {question!r}")
             self._answered()
-            return bytes(self.port.received[:n_reply])
+            return reply
 
     def send(self, command: str) -> None:
         """Send `command`, to which nothing answers. Needs no step."""

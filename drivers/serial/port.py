@@ -113,6 +113,11 @@ class SerialPort:
         self.received += data
         return data
 
+    def has_input(self) -> bool:
+        """Return whether something arrived that nobody has read."""
+        with self._failures_named():
+            return bool(self._open_port().in_waiting)
+
     def discard_input(self) -> None:
         """Throw away what arrived before the next question."""
         self.received.clear()

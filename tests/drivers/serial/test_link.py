@@ -245,3 +245,25 @@ def test_bytes_are_answered_by_count(connect: Connect) -> None:
     assert link.query_bytes(b"Z\r", 2) == b"\x09\xff"
     with pytest.raises(DeviceTimeoutError):
         link.query_bytes(b"Z\r", 3)
+
+
+def test_a_late_answer_beside_the_right_one_is_not_taken_for_it(connect: Connect) -> None:
+    replies = iter([b"\x01\x02", b"\x02", b"\x03"])
+    link, far = connect(lambda command: [(0.0, next(replies))] if command == b"Z" else [])
+    with pytest.raises(ProtocolError) as caught:
+        link.query_bytes(b"Z\r", 1)
+    assert caught.value.code == "reply-garbled"
+    assert not link.in_step
+    assert link.query_bytes(b"Z\r", 1) == b"\x02"
+    assert far.heard[-2:] == [b"WHO?", b"Z"]
+    assert link.query_bytes(b"Z\r", 1) == b"\x03"
+    assert far.heard[-2:] == [b"Z", b"Z"]
+
+
+def test_bytes_that_came_after_the_reply_put_the_link_out_of_step(connect: Connect) -> None:
+    link, far = connect(_reply(b"\x02"))
+    assert link.query_bytes(b"Z\r", 1) == b"\x02"
+    os.write(far.master, b"\x01")
+    time.sleep(0.05)
+    assert link.query_bytes(b"Z\r", 1) == b"\x02"
+    assert far.heard[-2:] == [b"WHO?", b"Z"]
