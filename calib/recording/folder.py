@@ -102,7 +102,7 @@ def _write_headers(recording: Recording, folder: Path, frame_format: FrameFormat
         return
     before = recording.provenance
     if before.plan:
-        (folder / "plan.txt").write_text(before.plan, encoding="utf-8")
+        (folder / "plan.toml").write_text(before.plan, encoding="utf-8")
     if before.features:
         (folder / "features.json").write_text(json.dumps(dict(before.features)), encoding="utf-8")
     if before.scenes:

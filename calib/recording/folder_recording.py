@@ -81,8 +81,10 @@ class FolderRecording:
 
     @property
     def provenance(self) -> Provenance:
-        """The plan (plan.txt) and the camera's features (features.json), where there are any."""
-        plan, features = self._path / "plan.txt", self._path / "features.json"
+        """The plan (plan.toml) and the camera's features (features.json), where there are any."""
+        plan, features = self._path / "plan.toml", self._path / "features.json"
+        if not plan.exists():
+            plan = self._path / "plan.txt"  # its name in earlier exports
         try:
             known: dict[str, Any] = json.loads(_text_of(features)) if features.exists() else {}
         except ValueError as error:

@@ -14,6 +14,8 @@ from calib.recording.header import Block, RecordingHeader
 def header_to_toml(header: RecordingHeader) -> str:
     """Return `header` without its blocks; unknown keys included, unknown values left out."""
     content = header.model_dump(exclude={"blocks"}, exclude_none=True)
+    if header.camera.started_at is not None:  # a string, as the interchange format has it
+        content["camera"]["started_at"] = header.camera.model_dump(mode="json")["started_at"]
     return tomli_w.dumps(_without_none(content))
 
 

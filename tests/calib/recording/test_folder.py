@@ -1,4 +1,6 @@
 import os
+import tomllib
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -99,9 +101,32 @@ def test_another_code_or_condition_is_another_digest(tmp_path: Path) -> None:
     assert len(digests) == 4
 
 
-def test_provenance_and_scenes_travel_along(tmp_path: Path) -> None:
+def test_the_start_is_written_as_the_string_of_the_interchange_format(tmp_path: Path) -> None:
+    camera = HEADER.camera.model_copy(
+        update={"started_at": datetime(2026, 11, 22, 9, 30, tzinfo=UTC)}
+    )
+    header = RecordingHeader(camera=camera)
+    recording = open_recording(write_recording(tmp_path / "a.h5", header))
+    folder = export_folder(recording, tmp_path / "out")
+    toml = folder.path / "recording.toml"
+    written = toml.read_text()
+    assert tomllib.loads(written)["camera"]["started_at"] == "2026-11-22T09:30:00Z"
+    assert folder.header.camera == camera
+    toml.write_text(written.replace('"2026-11-22T09:30:00Z"', "2026-11-22T09:30:00Z"))
+    assert FolderRecording(folder.path).digest() == folder.digest() == recording.digest()
+
+
+def test_a_plan_is_exported_as_toml_and_read_by_its_earlier_name_too(tmp_path: Path) -> None:
     folder = export_folder(open_recording(write_recording(tmp_path / "a.h5")), tmp_path / "out")
     (folder.path / "plan.txt").write_text("x = 1")
+    again = export_folder(import_folder(folder.path, tmp_path / "b.h5"), tmp_path / "again")
+    assert (again.path / "plan.toml").read_text() == "x = 1"
+    assert not (again.path / "plan.txt").exists()
+
+
+def test_provenance_and_scenes_travel_along(tmp_path: Path) -> None:
+    folder = export_folder(open_recording(write_recording(tmp_path / "a.h5")), tmp_path / "out")
+    (folder.path / "plan.toml").write_text("x = 1")
     (folder.path / "features.json").write_text('{"Gain": "1"}')
     text = (folder.path / "conditions.csv").read_text().splitlines()
     (folder.path / "conditions.csv").write_text(
