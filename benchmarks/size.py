@@ -26,7 +26,7 @@ class Size:
     fit_pixels: int = 2000 * 6144
     rounds: int = 9
     recording_s: float = 30.0
-    recording_mb_s: float = 250.0
+    recording_mb_s: float = 260.0
     folder: Path | None = None
     peers: Path | None = None
 
