@@ -10,6 +10,7 @@ from pathlib import Path
 
 from calib.errors import DarkflatError, InputError
 
+_PARTIAL = ".partial-"
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
@@ -18,7 +19,7 @@ class DiskFullError(DarkflatError):
 
     def __init__(self, path: Path) -> None:
         super().__init__(
-            f"no space left to write {path}: free some, then start again (or resume)",
+            f"no space left to write {_final(path)}: free some, then start again (or resume)",
             code="disk-full",
         )
 
@@ -38,15 +39,20 @@ def disk_errors(path: Path) -> Iterator[None]:
         if is_disk_full(error):
             raise DiskFullError(path) from error
         raise DarkflatError(
-            f"cannot write {path} ({error.strerror or error}): name an output in a folder that"
-            " takes it",
+            f"cannot write {_final(path)} ({error.strerror or error}): name an output in a folder"
+            " that takes it",
             code="cannot-write",
         ) from error
 
 
 def partial_path(path: Path) -> Path:
     """Where `path` is written before it gets its name: the same folder, hidden."""
-    return path.with_name(f".partial-{path.name}")
+    return path.with_name(f"{_PARTIAL}{path.name}")
+
+
+def _final(path: Path) -> Path:
+    """Return the name that `path` gets in the end: the only one that its reader knows."""
+    return path.with_name(path.name.replace(_PARTIAL, ""))
 
 
 def refuse_existing(*paths: Path) -> None:

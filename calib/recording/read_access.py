@@ -7,7 +7,7 @@ from pathlib import Path
 
 import h5py
 
-from calib.errors import InputError
+from calib.errors import InputError, reason_of
 from calib.recording.abandoned_file import AbandonedFile
 from calib.recording.commit_log import commit_path, is_being_written
 from calib.recording.superblock import Superblock, read_superblock
@@ -28,6 +28,11 @@ def open_for_reading(path: Path, *, nobody_writes: bool = False) -> Iterator[h5p
             yield file
     except FileNotFoundError as error:
         raise not_found(path) from error
+    except PermissionError as error:
+        raise InputError(
+            f"{path} cannot be read ({reason_of(error)}): get the right to read it",
+            code="recording-unreadable",
+        ) from error
     except (OSError, RuntimeError, KeyError, ValueError) as error:  # h5py's, for damage
         raise unreadable(path, error) from error
 

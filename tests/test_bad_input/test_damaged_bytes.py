@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from calib.errors import InputError
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.open import open_recording
 from calib.recording.writer import RecordingWriter
 from tests.calib.recording.examples import codes, write_recording
@@ -56,6 +57,11 @@ def beside(whole: Path, folder: Path, content: bytes) -> Path:
     return path
 
 
+def altered_at(content: bytes, at: int) -> bytes:
+    """Return `content` with the bits of one byte flipped."""
+    return content[:at] + bytes([content[at] ^ 0xFF]) + content[at + 1 :]
+
+
 def end_of_frames(content: bytes) -> int:
     """Return where the last of the frames ends; what follows is room that was not used."""
     last = codes("002", 20)[16:].tobytes()
@@ -71,21 +77,35 @@ def test_a_file_cut_anywhere_is_refused(whole: Path, tmp_path: Path) -> None:
 
 def test_an_altered_byte_is_found_or_is_of_no_consequence(whole: Path, tmp_path: Path) -> None:
     content = whole.read_bytes()
-    rng = np.random.default_rng(20)
+    rng = np.random.default_rng(23)
     refused = set()
     for at in (*SUPERBLOCK, *map(int, rng.integers(48, end_of_frames(content), N_ALTERED))):
-        altered = bytearray(content)
-        altered[at] ^= 0xFF
-        refused.add(read(beside(whole, tmp_path, bytes(altered))))
+        refused.add(read(beside(whole, tmp_path, altered_at(content, at))))
     assert {"recording-unreadable", "crc-mismatch"} <= refused
 
 
 def test_damage_is_refused_by_resume_too(whole: Path, tmp_path: Path) -> None:
     content = whole.read_bytes()
     for at in SUPERBLOCK:
-        altered = bytearray(content)
-        altered[at] ^= 0xFF
-        path = beside(whole, tmp_path, bytes(altered))
+        altered = altered_at(content, at)
+        path = beside(whole, tmp_path, altered)
         with pytest.raises(InputError):
             RecordingWriter.resume(path)
-        assert path.read_bytes() == bytes(altered)
+        assert path.read_bytes() == altered
+
+
+def test_a_coefficient_set_cut_or_altered_anywhere_is_refused_or_the_same(
+    sound: Path, tmp_path: Path
+) -> None:
+    content = (sound / "set.h5").read_bytes()
+    whole = CoefficientSet.load(sound / "set.h5").id
+    path, refused = tmp_path / "set.h5", set()
+    rng = np.random.default_rng(23)
+    cuts = [content[:n] for n in map(int, np.linspace(0, len(content) - 1, N_CUTS))]
+    for each in cuts + [altered_at(content, at) for at in rng.integers(0, len(content), N_ALTERED)]:
+        path.write_bytes(each)
+        try:
+            assert CoefficientSet.load(path).id == whole
+        except InputError as error:
+            refused.add(error.code)
+    assert refused == {"altered", "not-a-coefficient-set"}

@@ -114,9 +114,12 @@ def read(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     try:
         with h5py.File(path, "r") as file:
             stated = {str(key): _plain(value) for key, value in file.attrs.items()}
-            metadata = json.loads(file[METADATA].asstr()[()])
-            arrays = {name: np.asarray(file[name][()]) for name in file if name != METADATA}
-    except (OSError, KeyError, TypeError, ValueError) as error:
+            metadata = dict(json.loads(file[METADATA].asstr()[()]))
+            arrays = {str(name): np.asarray(file[name][()]) for name in file if name != METADATA}
+    except PermissionError as error:
+        message = f"{path} cannot be read (Permission denied): get the right to read it."
+        raise InputError(message, code="not-a-coefficient-set") from error
+    except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
         message = f"{path} is not a coefficient set, or is damaged: calibrate again."
         raise InputError(message, code="not-a-coefficient-set") from error
     same = all(metadata.get(key) == value for key, value in stated.items() if key != "id")
