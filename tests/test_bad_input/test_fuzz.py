@@ -18,7 +18,7 @@ from service.plan.describe import describe
 from service.plan.model import Plan
 
 FEW = settings(
-    max_examples=150,
+    max_examples=100,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
