@@ -65,9 +65,12 @@ class Calibration:
         )  # fmt: skip
         return {
             **{key: summary[key] for key in keep},
+            "axis_column": round(summary["axis_column"]),
+            "axis_column_exact": float(summary["axis_column"]),
             "mean_dark_offset_dn": {
                 "regression": summary["mean_dark_offset_dn"],
                 "capped": self.darks.capped_mean_dn if self.darks else None,
+                "capped_raw": self.darks.capped_raw_mean_dn if self.darks else None,
             },
             "dark_offset_difference_dn": self._difference(),
             **self._variation(),

@@ -22,7 +22,7 @@ class ApplyOptions:
         at: When the lines were taken; by the recording's own times where None.
         force: Apply a set that does not match, and say so.
         std: Write the standard uncertainty too.
-        blocks: Names of the blocks to correct; all where None.
+        blocks: Names of the blocks to correct; all but capped darks where None.
     """
 
     window: Window | None = None

@@ -29,8 +29,9 @@ class Corrected:
         coefficient_set: The set's id.
         radiance_unit: Unit of radiance and std.
         blocks: Names of the blocks, in the order of acquisition.
+        left_out: Names of the capped darks that were not asked for, and are not corrected.
         n_lines: Lines of all blocks.
-        flags: How many pixels carry each flag.
+        flags: How many pixels of these blocks carry each flag.
         notes: What was forced or extrapolated, with the block where it is not all of them.
     """
 
@@ -38,6 +39,7 @@ class Corrected:
     coefficient_set: str
     radiance_unit: str
     blocks: tuple[str, ...]
+    left_out: tuple[str, ...]
     n_lines: int
     flags: dict[str, int]
     notes: tuple[str, ...]
@@ -59,7 +61,10 @@ def correct_recording(
     progress: Callable[[float], None] | None = None,
     cancelled: Callable[[], bool] | None = None,
 ) -> Corrected:
-    """Correct the blocks of a recording and write them to `out`.
+    """Correct the blocks of a recording and write them to `out`; capped darks only by name.
+
+    A dark has no radiance: half of its pixels fall below the mean dark, and would be counted with
+    those of the scene.
 
     Args:
         recording: Of a line sensor.
@@ -71,7 +76,8 @@ def correct_recording(
 
     Raises:
         InputError: The set does not match (`set-mismatch`, `outside-validity`), a block is not
-            there (`no-such-block`), the sensor is an area sensor (`area-sensor`), or `out` exists.
+            there (`no-such-block`), there are capped darks only (`only-darks`), the
+            sensor is an area sensor (`area-sensor`), or `out` exists.
         CancelledError: `cancelled` said so.
     """
     path, options = Path(out), options or ApplyOptions()
@@ -96,21 +102,32 @@ def correct_recording(
             if progress is not None:
                 progress(done / len(blocks))
     names = tuple(block.block for block in blocks)
+    every = recording.header.blocks if options.blocks is None else ()
+    left_out = tuple(b.block for b in every if b.kind == "dark")
     return Corrected(
-        path, coefficients.id, coefficients.radiance_unit, names, n_lines, counts,
+        path, coefficients.id, coefficients.radiance_unit, names, left_out, n_lines, counts,
         _notes(names, corrections),
     )  # fmt: skip
 
 
 def _chosen(recording: Recording, names: Sequence[str] | None) -> tuple[Block, ...]:
-    """Return the blocks of these names, or all, in the order of acquisition."""
+    """Return the blocks of these names, or all but darks, in the order of acquisition."""
     blocks = recording.header.blocks
     missing = set(names or ()) - {block.block for block in blocks}
     if missing:
         there = ", ".join(block.block for block in blocks)
         msg = f"{recording.path} has no block {', '.join(sorted(missing))}: it has {there}."
         raise InputError(msg, code="no-such-block")
-    chosen = blocks if names is None else tuple(b for b in blocks if b.block in names)
+    if names is None:
+        chosen = tuple(b for b in blocks if b.kind != "dark")
+    else:
+        chosen = tuple(b for b in blocks if b.block in names)
+    if names is None and blocks and not chosen:
+        msg = (
+            f"{recording.path} has capped darks only, which have no radiance: record a scene, or "
+            "name the blocks to correct."
+        )
+        raise InputError(msg, code="only-darks")
     if not chosen:
         msg = f"{recording.path} has no blocks to correct: record some, or resume it."
         raise InputError(msg, code="no-such-block")

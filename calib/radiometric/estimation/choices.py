@@ -32,8 +32,8 @@ def check_recording(header: RecordingHeader, choices: Choices) -> None:
     """Refuse what cannot be calibrated at all."""
     if header.camera.rows is not None:
         message = (
-            "The recording is of an area sensor, and AgCam's method is for a line of columns: use "
-            "photon-transfer instead."
+            "The recording is of an area sensor, and AgCam's method is for a line of columns: give "
+            "a recording of a line sensor, or one row of the area's as such a recording."
         )
         raise InputError(message, code="area-sensor")
     if choices.order is not None and not 0 < choices.order <= 20:

@@ -29,6 +29,8 @@ class CommonMode:
 
     Attributes:
         source_unrest: η, relative, of one block; NaN where no degree of freedom is left.
+        unrest_sigma: How sure it is that η is not 0, as standard deviations of a normal number;
+            NaN where η is.
         offset_noise_dn: a, DN, of one block.
         freedom: Degrees of freedom from which η comes.
         mean_slope: s̄, DN per µs of reference light.
@@ -40,6 +42,7 @@ class CommonMode:
     """
 
     source_unrest: float
+    unrest_sigma: float
     offset_noise_dn: float
     freedom: int
     mean_slope: float
@@ -59,7 +62,11 @@ class CommonMode:
 
 
 def common_mode(
-    fit: JointFit, exposure_us: Columns, group: NDArray[np.intp], offset_noise_dn: float
+    fit: JointFit,
+    exposure_us: Columns,
+    group: NDArray[np.intp],
+    offset_noise_dn: float,
+    current_std_dn_per_us: float = 0.0,
 ) -> CommonMode:
     """Estimate what the columns share, from the residuals' means over columns.
 
@@ -68,6 +75,8 @@ def common_mode(
         exposure_us: (n_blocks,).
         group: Level group of each block, (n_blocks,).
         offset_noise_dn: Scatter of the capped darks' means from block to block, DN.
+        current_std_dn_per_us: Standard uncertainty of the mean dark current that was taken off,
+            whose error enters all blocks in proportion to their exposure.
     """
     used = np.flatnonzero((fit.weights > 0).any(axis=1))
     reference = int(np.flatnonzero(fit.relative_level == 1.0)[0])
@@ -81,15 +90,18 @@ def common_mode(
         design[rows, 2 + k] = slope * exposure_us[used][rows]
     weight = fit.weights[used].mean(axis=1)
     estimator = np.linalg.pinv(design * np.sqrt(weight)[:, None]) * np.sqrt(weight)
-    residual = _mean_residual(fit, slope)[used]
+    residual = mean_residual(fit, slope)[used]
     freedom = len(used) - design.shape[1]
     signal = slope * fit.x_us[used]
     own = _own_variance(fit, slope)[used]
-    unrest2 = _unrest(residual, signal, design @ estimator, offset_noise_dn**2 + own, freedom)
+    other = np.diag(offset_noise_dn**2 + own)
+    other += current_std_dn_per_us**2 * np.outer(exposure_us[used], exposure_us[used])
+    unrest2, sigma = _unrest(residual, signal, design @ estimator, other, freedom)
     few = freedom / (freedom - 2.0) if freedom > 2 else 1.0
     error = few * np.nan_to_num(unrest2) * signal**2 + own
     return CommonMode(
         source_unrest=float(np.sqrt(unrest2)),
+        unrest_sigma=sigma,
         offset_noise_dn=offset_noise_dn,
         freedom=freedom,
         mean_slope=slope,
@@ -99,7 +111,7 @@ def common_mode(
     )
 
 
-def _mean_residual(fit: JointFit, mean_slope: float) -> Columns:
+def mean_residual(fit: JointFit, mean_slope: float) -> Columns:
     """Return each block's residual, as of the mean slope, averaged by weight, (n_blocks,)."""
     share = np.where(fit.weights > 0, fit.slope / mean_slope, 0.0)
     above = np.nansum(fit.weights * share * np.nan_to_num(fit.residual_dn), axis=1)
@@ -108,34 +120,35 @@ def _mean_residual(fit: JointFit, mean_slope: float) -> Columns:
 
 
 def _own_variance(fit: JointFit, mean_slope: float) -> Columns:
-    """Return what the columns' own noise leaves in `_mean_residual`, DN², (n_blocks,)."""
+    """Return what the columns' own noise leaves in `mean_residual`, DN², (n_blocks,)."""
     share = np.where(fit.weights > 0, fit.slope / mean_slope, 0.0)
     below = np.nansum(fit.weights * share**2, axis=1)
     return np.where(below > 0, 1.0 / np.where(below > 0, below, 1.0), 0.0)
 
 
 def _unrest(
-    residual: Columns, signal: Columns, hat: NDArray[np.float64], other: Columns, freedom: int
-) -> float:
-    """Return η²: the residuals' relative sum of squares over its expectation for η = 1.
+    residual: Columns,
+    signal: Columns,
+    hat: NDArray[np.float64],
+    other: NDArray[np.float64],
+    freedom: int,
+) -> tuple[float, float]:
+    """Return η² and its significance.
 
-    What the common offset and the columns' own noise (`other`, variances in DN²) bring into the
-    sum is taken off first.
+    η² is the residuals' relative sum of squares over its expectation for η = 1, after what the
+    common offset, the dark current and the columns' own noise (`other`, a covariance in DN²) bring
+    into the sum is taken off. The sum is a weighted one of squared normal numbers: the chi-squared
+    of the same mean and variance (Satterthwaite 1946), and its cube root as a normal number
+    (Wilson and Hilferty 1931), tell how unlikely it is without unrest.
     """
     if freedom < 1:
-        return float("nan")
-    scale = 1.0 / np.maximum(signal, 1e-3 * signal.max()) ** 2
-    left = (np.eye(len(residual)) - hat) ** 2
-    expected = float(scale @ left @ signal**2)
-    by_other = float(scale @ left @ other)
-    return max(float(scale @ residual**2) - by_other, 0.0) / max(expected, 1e-30)
-
-
-def own_misfit(fit: JointFit, shared: CommonMode) -> float:
-    """Return the reduced chi-squared of what columns do not share; NaN if nothing is left."""
-    blocks = int((fit.weights > 0).any(axis=1).sum())
-    freedom = fit.freedom - (blocks - len(shared.by_source))
-    if freedom <= 0:
-        return float("nan")
-    common = np.outer(_mean_residual(fit, shared.mean_slope), fit.slope / shared.mean_slope)
-    return float(np.nansum(fit.weights * (fit.residual_dn - common) ** 2) / freedom)
+        return float("nan"), float("nan")
+    relative = (np.eye(len(residual)) - hat) / np.maximum(signal, 1e-3 * signal.max())[:, None]
+    found = float(((residual / np.maximum(signal, 1e-3 * signal.max())) ** 2).sum())
+    still = relative @ other @ relative.T
+    by_other, spread = float(np.trace(still)), float((still**2).sum())
+    unrest2 = max(found - by_other, 0.0) / max(float((relative**2 @ signal**2).sum()), 1e-30)
+    if by_other <= 0:
+        return unrest2, float("nan")
+    width = 2.0 * spread / (9.0 * by_other**2)
+    return unrest2, float((np.cbrt(found / by_other) - (1.0 - width)) / np.sqrt(width))

@@ -90,10 +90,11 @@ def estimate_lines(
     fit = fit_jointly(flats.mean_dn, equal, flats.exposure_us, groups.of_block, start)
     sight = _Sight(flats, darks, groups, still, full_scale_dn)
     noise = _noise(flats, darks, fit, use)
-    state = _improve(sight, fit, noise)
+    none = DarkCurrent.none(flats.mean_dn.shape[1])
+    state = _improve(sight, fit, noise, none)
     for _ in range(ROUNDS):
         last, noise = state, _noise(flats, darks, state.fit, state.use, state.noise)
-        state = _improve(sight, state.fit, noise)
+        state = _improve(sight, state.fit, noise, state.current)
         if (state.use == last.use).all() and state.noise.is_near(last.noise):
             break
     longest = state.current.dn_per_us * flats.exposure_us.max()
@@ -109,17 +110,22 @@ def estimate_lines(
     )
 
 
-def _improve(sight: _Sight, fit: JointFit, noise: NoiseModel) -> _Round:
-    """Select, weigh and fit again, with what `fit` predicts and `noise` says of it."""
+def _improve(sight: _Sight, fit: JointFit, noise: NoiseModel, last: DarkCurrent) -> _Round:
+    """Select, weigh and fit again, with what `fit` predicts and `noise` says of it.
+
+    What is converted is light and dark signal together: both have shot noise, and both fill the
+    range of codes.
+    """
     flats, darks, groups = sight.flats, sight.darks, sight.groups
-    predicted = fit.predicted_dn()
+    block_noise = dark_block_noise_dn(darks, noise, last)
+    current = dark_current(darks, noise, last, block_noise)
+    grown = current.at(flats.exposure_us)
+    predicted = fit.predicted_dn() + (grown if last.seen else 0.0)
     sigma = noise.sigma_dn(predicted - fit.offset)
     use = within_range(predicted, sigma, sight.full_scale_dn) & ~sight.still
     use &= ~collapsed(flats.variance_dn2, typical_variance(sigma), flats.n_lines)
     restored = unrounded_mean(flats.mean_dn, np.where(use, sigma, 1.0))
-    block_noise = dark_block_noise_dn(darks, noise)
-    current = dark_current(darks, noise, block_noise)
-    mean = restored.mean_dn - np.outer(flats.exposure_us, current.dn_per_us)
+    mean = restored.mean_dn - grown
     variance = restored.variance_of_one_dn2 / flats.n_lines[:, None]
     weights = np.where(use, 1.0 / (variance + restored.variance_left_dn2), 0.0)
     levels = fit.relative_level

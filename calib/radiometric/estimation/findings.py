@@ -6,14 +6,14 @@ import numpy as np
 
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.coefficients.column_state import ColumnState
-from calib.radiometric.estimation.common_mode import CommonMode
 from calib.radiometric.estimation.dark_comparison import DarkComparison
-from calib.radiometric.estimation.estimate import LineEstimate
+from calib.radiometric.estimation.parts import Parts
 from calib.radiometric.estimation.rounding import INVERTIBLE_SIGMA_DN, NEGLIGIBLE_SIGMA_DN
 from calib.radiometric.estimation.scale import RadianceScale
 from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
 
 DIFFERENT_SIGMA = 4.0
+UNREST_SIGMA = 5.0
 
 
 def set_findings(coefficients: CoefficientSet, relative: bool) -> Iterator[str]:
@@ -33,9 +33,10 @@ def set_findings(coefficients: CoefficientSet, relative: bool) -> Iterator[str]:
         yield "No shot noise is seen, so that the system gain is not determined."
 
 
-def line_findings(estimate: LineEstimate, shared: CommonMode) -> Iterator[str]:
+def line_findings(parts: Parts) -> Iterator[str]:
     """Yield what the columns' lines give reason to say."""
-    chi2, freedom = estimate.fit.reduced_chi_squared, estimate.fit.freedom
+    estimate, shared = parts.estimate, parts.shared
+    chi2, freedom = parts.reduced_chi_squared, estimate.fit.freedom
     if freedom <= 0:
         yield (
             "Two exposures for two unknowns: whether the response is a line is not tested; record "
@@ -44,7 +45,14 @@ def line_findings(estimate: LineEstimate, shared: CommonMode) -> Iterator[str]:
     elif chi2 > 1.0 + 5.0 * np.sqrt(2.0 / freedom):
         yield (
             f"The lines do not fit within the noise (reduced chi-squared {chi2:.2f}): the "
-            "response is not linear or the source was not steady; diagnose tells which."
+            "response is not linear or the source was not steady. The report's residuals by block "
+            "tell: what returns with the signal is the response, what goes with time the source."
+        )
+    if shared.unrest_sigma > UNREST_SIGMA:
+        yield (
+            f"The source wandered by {100 * shared.source_unrest:.2g} % between blocks, if the "
+            "response is a line and lines have no noise in common (darks repeated at one exposure "
+            "would show that); this is counted as uncertainty. Let the source settle for longer."
         )
     if freedom > 0 and shared.freedom < 1:
         yield "Whether the source was steady from block to block is not tested: too few blocks."

@@ -62,7 +62,7 @@ def determine(
     comparison = _compare(parts, darks, coefficients)
     warnings = (
         *source_findings(parts.source, parts.scale, choices.relative),
-        *line_findings(parts.estimate, parts.shared),
+        *line_findings(parts),
         *dark_findings(comparison),
         *set_findings(coefficients, choices.relative),
     )
@@ -91,7 +91,7 @@ def _assemble(
         scale=parts.scale,
         scale_std=scale_std,
     )
-    chi2 = estimate.fit.reduced_chi_squared
+    chi2 = parts.reduced_chi_squared
     return CoefficientSet(
         camera=header.camera,
         radiance_unit="1" if relative else header.source.radiance_unit,

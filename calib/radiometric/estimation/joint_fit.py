@@ -58,13 +58,6 @@ class JointFit:
         levels = int(np.isfinite(self.relative_level).sum()) - 1
         return int(used[:, np.isfinite(self.lines.slope)].sum()) - 2 * columns - levels
 
-    @property
-    def reduced_chi_squared(self) -> float:
-        """Pooled over all columns; NaN without degrees of freedom."""
-        if self.freedom <= 0:
-            return float("nan")
-        return float(np.nansum(self.weights * self.residual_dn**2) / self.freedom)
-
     def predicted_dn(self) -> Cells:
         """Return DN0 + s·x for every cell, (n_blocks, n_columns)."""
         return self.offset + np.outer(self.x_us, self.slope)

@@ -9,8 +9,9 @@ from calib.forward.taps import tap_of_column
 from calib.radiometric.estimation.assemble import LineVariances
 from calib.radiometric.estimation.block_table import BlockTable
 from calib.radiometric.estimation.choices import Choices
-from calib.radiometric.estimation.common_mode import CommonMode, common_mode, own_misfit
+from calib.radiometric.estimation.common_mode import CommonMode, common_mode
 from calib.radiometric.estimation.estimate import LineEstimate, current_variances, estimate_lines
+from calib.radiometric.estimation.misfit import own_misfit, reduced_chi_squared
 from calib.radiometric.estimation.normalised_profile import Vignette, normalise
 from calib.radiometric.estimation.radiance_table import LevelGroups
 from calib.radiometric.estimation.scale import RadianceScale, radiance_scale
@@ -24,6 +25,7 @@ class Parts:
     """The results on the way to a set; `groups` with the radiances that made the scale."""
 
     estimate: LineEstimate
+    reduced_chi_squared: float
     shared: CommonMode
     variances: LineVariances
     profile: ProfileFit
@@ -44,7 +46,13 @@ def find_parts(
     source = choices.source or SourceUncertainty.of_header(header.source)
     estimate = estimate_lines(flats, darks, groups, header.camera.full_scale_dn)
     fit = estimate.fit
-    shared = common_mode(fit, flats.exposure_us, groups.of_block, estimate.dark_block_noise_dn)
+    shared = common_mode(
+        fit,
+        flats.exposure_us,
+        groups.of_block,
+        estimate.dark_block_noise_dn,
+        estimate.current.mean_std,
+    )
     variances = _variances(estimate, flats, shared)
     profile = fit_profile(
         fit.slope, variances.slope, tap_contrasts(_taps(header.camera)), choices.order
@@ -54,7 +62,8 @@ def find_parts(
         unit = np.where(fit.relative_level == 1.0, 1.0, np.nan)
         groups = replace(groups, radiance=unit)
     scale = radiance_scale(groups, fit.relative_level, shared, source.level_relative_std)
-    return Parts(estimate, shared, variances, profile, vignette, scale, source, groups)
+    chi2 = reduced_chi_squared(fit, flats.exposure_us, estimate.current)
+    return Parts(estimate, chi2, shared, variances, profile, vignette, scale, source, groups)
 
 
 def _variances(estimate: LineEstimate, flats: BlockTable, shared: CommonMode) -> LineVariances:
@@ -65,7 +74,7 @@ def _variances(estimate: LineEstimate, flats: BlockTable, shared: CommonMode) ->
     degrees of freedom to say more.
     """
     lines = estimate.fit.lines
-    inflate = max(1.0, own_misfit(estimate.fit, shared))
+    inflate = max(1.0, own_misfit(estimate.fit, shared, flats.exposure_us, estimate.current))
     offset, slope, covariance = current_variances(estimate, flats.exposure_us)
     return LineVariances(
         inflate * lines.offset_variance + offset,

@@ -34,7 +34,8 @@ def apply(
         datetime | None, typer.Option(help="When the lines were taken, UTC; else as they say")
     ] = None,
     block: Annotated[
-        list[str] | None, typer.Option(help="Only this block; may be given repeatedly")
+        list[str] | None,
+        typer.Option(help="Only this block; may be given repeatedly; else all but capped darks"),
     ] = None,
     transmittance: Annotated[
         tuple[float, float] | None,
@@ -86,6 +87,7 @@ def apply(
             "coefficient_set": done.coefficient_set,
             "radiance_unit": done.radiance_unit,
             "blocks": list(done.blocks),
+            "left_out": list(done.left_out),
             "lines": done.n_lines,
             "flags": done.flags,
             "notes": [*recording.warnings, *done.notes],
@@ -100,5 +102,10 @@ def _show(console: Any, told: dict[str, Any]) -> None:
         f" {told['radiance_unit']}; pixels: {flags or 'none flagged'}",
         markup=False,
     )
+    if told["left_out"]:
+        console.print(
+            f"{len(told['left_out'])} capped darks were left out; --block corrects one by name",
+            markup=False,
+        )
     for note in told["notes"]:
         console.print(f"! {note}", markup=False)

@@ -153,7 +153,7 @@ def show_calibration(console: "Console", told: dict[str, Any]) -> None:
             "dark offset": f"{number(dark['regression'])} DN by regression,"
             f" {number(dark['capped'])} DN capped",
             "vignette": f"order {told['vignette_order']},"
-            f" axis at column {with_std(told['axis_column'], told['axis_column_std'])},"
+            f" axis at column {with_std(told['axis_column_exact'], told['axis_column_std'])},"
             f" {number(told['edge_fall_percent'])} % fall at the edge",
             "responsivity": f"{with_std(at_axis['value'], at_axis['std'])} {at_axis['unit']}",
             "scatter along the line": f"{number(told['cov_before_percent'])} % before,"

@@ -92,6 +92,26 @@ def test_the_files_columns_give_the_uncertainty_of_a_mean_back(tmp_path):
     np.testing.assert_allclose(mean.std[0], std, rtol=1e-6)
 
 
+DARK = Block(block="k", kind="dark", exposure_us=200.0)
+WITH_DARK = RecordingHeader(camera=CAMERA, blocks=(*BLOCKS, DARK))
+
+
+def test_capped_darks_are_left_out_of_file_and_counts_and_named(tmp_path):
+    done = correct_recording(MemoryRecording(WITH_DARK), SET, tmp_path / "out.h5")
+    without = correct_recording(MemoryRecording(), SET, tmp_path / "without.h5")
+    assert (done.blocks, done.left_out) == (("a", "b"), ("k",))
+    assert (done.flags, done.n_lines) == (without.flags, without.n_lines)
+    with h5py.File(tmp_path / "out.h5") as file:
+        assert list(file["blocks"]) == ["a", "b"]
+
+
+def test_a_capped_dark_is_corrected_where_it_is_asked_for(tmp_path):
+    options = ApplyOptions(blocks=["k"])
+    recording = MemoryRecording(WITH_DARK)
+    done = correct_recording(recording, SET, tmp_path / "out.h5", options=options)
+    assert (done.blocks, done.left_out) == (("k",), ())
+
+
 def test_without_uncertainty_there_is_no_such_dataset(tmp_path):
     options = ApplyOptions(std=False, blocks=["b"])
     done = correct_recording(MemoryRecording(), SET, tmp_path / "out.h5", options=options)
@@ -139,6 +159,11 @@ UNTIL = Validity(valid_until=datetime(2026, 11, 22, 9, 30, 30, tzinfo=UTC))
         (MemoryRecording(OTHER), ApplyOptions(), "set-mismatch"),
         (MemoryRecording(), ApplyOptions(validity=UNTIL), "outside-validity"),
         (MemoryRecording(), ApplyOptions(blocks=["c"]), "no-such-block"),
+        (
+            MemoryRecording(RecordingHeader(camera=CAMERA, blocks=(DARK,))),
+            ApplyOptions(),
+            "only-darks",
+        ),
         (MemoryRecording(RecordingHeader(camera=CAMERA)), ApplyOptions(), "no-such-block"),
     ],
 )

@@ -110,6 +110,8 @@ def test_the_answer_is_json_with_the_contracts_names(recording: InMemory) -> Non
     assert answer["reduced_chi_squared"] == pytest.approx(1.0, abs=0.2)
     assert isinstance(answer["warnings"], list)
     assert {"vignette_order", "axis_column", "coefficient_set"} <= answer.keys()
+    assert isinstance(answer["axis_column"], int)
+    assert abs(answer["axis_column"] - answer["axis_column_exact"]) <= 0.5
 
 
 def test_the_correction_leaves_the_noise_of_held_out_lines_only(recording: InMemory) -> None:

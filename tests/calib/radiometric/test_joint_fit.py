@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
 
+from calib.radiometric.estimation.dark_comparison import DarkCurrent
 from calib.radiometric.estimation.joint_fit import fit_jointly
+from calib.radiometric.estimation.misfit import reduced_chi_squared
 from calib.radiometric.estimation.selection import collapsed, within_range
 
 EXPOSURE = np.array([100.0, 200.0, 300.0, 100.0, 100.0])
@@ -69,7 +71,8 @@ def test_chi_squared_is_one_where_the_weights_are_right() -> None:
     noisy = mean + sigma * rng.standard_normal(mean.shape)
     fit = fit_jointly(noisy, 1 / sigma**2, EXPOSURE, GROUP, np.array([1.0, 1.5, 3.5]))
     assert fit.freedom == 5 * 3000 - 2 * 3000 - 2
-    assert abs(fit.reduced_chi_squared - 1) < 5 * np.sqrt(2 / fit.freedom)
+    chi2 = reduced_chi_squared(fit, EXPOSURE, DarkCurrent.none(3000))
+    assert abs(chi2 - 1) < 5 * np.sqrt(2 / fit.freedom)
 
 
 @pytest.mark.parametrize(

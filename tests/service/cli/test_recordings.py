@@ -56,6 +56,20 @@ def test_a_model_file_does_as_well_as_a_preset(run: Run, plan_file: Path, tmp_pa
     assert ran.status == 0
 
 
+def test_apply_leaves_capped_darks_out_and_says_so(
+    run: Run, recording_file: Path, tmp_path: Path, set_file: Path
+) -> None:
+    blocks = open_recording(recording_file).header.blocks
+    darks = [b.block for b in blocks if b.kind == "dark"]
+    ran = run("apply", set_file, recording_file, "--out", tmp_path / "a.h5", "--json", "-")
+    assert ran.status == 0
+    assert ran.json["left_out"] == darks
+    assert ran.json["blocks"] == [b.block for b in blocks if b.kind != "dark"]
+    assert ran.json["flags"]["below_black"] == 0
+    told = run("apply", set_file, recording_file, "--out", tmp_path / "b.h5")
+    assert f"{len(darks)} capped darks were left out" in told.stdout
+
+
 @pytest.mark.parametrize(
     ("change", "code"),
     [
@@ -96,8 +110,9 @@ def test_calibrate_answers_as_the_contract_says(
         "responsivity_at_axis", "reduced_chi_squared", "warnings",
     ):  # fmt: skip
         assert key in ran.json
-    assert set(ran.json["mean_dark_offset_dn"]) == {"regression", "capped"}
+    assert set(ran.json["mean_dark_offset_dn"]) == {"regression", "capped", "capped_raw"}
     assert CoefficientSet.load(out).id == ran.json["coefficient_set"]
+    assert isinstance(ran.json["axis_column"], int)
     assert ran.json["cov_after_percent"] < ran.json["cov_before_percent"]
     assert report.read_text().lstrip().startswith("<!doctype html")
 
@@ -194,7 +209,7 @@ def test_bare_lines_are_corrected_as_those_of_the_recording(
     run: Run, recording_file: Path, tmp_path: Path, set_file: Path
 ) -> None:
     recording = open_recording(recording_file)
-    block = recording.header.blocks[3]
+    block = [b for b in recording.header.blocks if b.kind == "flat"][1]
     np.save(tmp_path / "lines.npy", np.concatenate(list(recording.frames(block.block))))
     whole, bare = tmp_path / "whole.h5", tmp_path / "bare.h5"
     run("apply", set_file, recording_file, "--out", whole)
