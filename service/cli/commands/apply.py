@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.paths import path_argument, path_option
 from service.cli.progress import progress, share_of
 
 
@@ -23,10 +24,10 @@ def apply(
         str, typer.Argument(metavar="SET.h5", help="Or the id of a certified set in the store")
     ],
     frames: Annotated[
-        Path, typer.Argument(help="A recording, or lines in .npy, .tif, .fits (with --exposure-us)")
+        Path, path_argument(help="A recording, or lines in .npy, .tif, .fits (with --exposure-us)")
     ],
     *,
-    out: Annotated[Path, typer.Option(help="The HDF5 file to write")],
+    out: Annotated[Path, path_option(help="The HDF5 file to write")],
     exposure_us: Annotated[
         float | None, typer.Option(min=0, help="Of a bare file of lines, which does not say")
     ] = None,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.paths import path_argument, path_option
 from service.cli.progress import progress, share_of
 from service.cli.radiance_options import check_together
 
@@ -17,16 +18,16 @@ if TYPE_CHECKING:
 
 
 def calibrate(
-    recording: Annotated[Path, typer.Argument(metavar="REC", help="An .h5 or a recording folder")],
+    recording: Annotated[Path, path_argument(metavar="REC", help="An .h5 or a recording folder")],
     *,
-    out: Annotated[Path, typer.Option(metavar="SET.h5", help="The coefficient set to write")],
+    out: Annotated[Path, path_option(metavar="SET.h5", help="The coefficient set to write")],
     radiances: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.csv", help="level,radiance; goes before what blocks state"),
+        path_option(metavar="FILE.csv", help="level,radiance; goes before what blocks state"),
     ] = None,
     lamp_spectra: Annotated[
         Path | None,
-        typer.Option(
+        path_option(
             metavar="LAMPS.csv",
             help="Compute radiances from the lamps' spectra, W m-2 sr-1 nm-1; with"
             " --spectral-response, instead of --radiances",
@@ -34,7 +35,7 @@ def calibrate(
     ] = None,
     spectral_response: Annotated[
         Path | None,
-        typer.Option(metavar="RESPONSE.csv", help="Of the camera; or the folder of its scan"),
+        path_option(metavar="RESPONSE.csv", help="Of the camera; or the folder of its scan"),
     ] = None,
     certificate_std: Annotated[
         float | None,
@@ -59,7 +60,7 @@ def calibrate(
         ),
     ] = None,
     report: Annotated[
-        Path | None, typer.Option(metavar="FILE.html", help="Figures to judge it by")
+        Path | None, path_option(metavar="FILE.html", help="Figures to judge it by")
     ] = None,
     store: Annotated[
         bool, typer.Option("--store", help="Add set and recording to the store; the set as a draft")
