@@ -24,7 +24,7 @@ demo: setup
 	$(BIN)/darkflat demo --out demo
 
 test: setup
-	$(BIN)/pytest -n 2 --dist loadgroup
+	$(BIN)/pytest
 
 check: setup
 	$(BIN)/ruff format --check .

@@ -58,7 +58,9 @@ def test_zero_is_corrected_when_opened(opened: Opened) -> None:
     # The emulated meter is off by 3 pA, the photodiode's dark current is 2 pA.
     opened.emulated.lines["monitor"].device._current = _quiet()  # type: ignore[attr-defined]
     meter = opened.monitor(nplc=1.0)
-    assert meter.read().current_a == pytest.approx(2e-12, abs=1e-15)
+    # Shot noise of both currents over one cycle of 50 Hz: variance e (2 pA + 3 pA) / 0.02 s.
+    noise_a = (1.602e-19 * 5e-12 / 0.02) ** 0.5
+    assert meter.read().current_a == pytest.approx(2e-12, abs=5 * noise_a)
 
 
 def _quiet():  # type: ignore[no-untyped-def]
