@@ -56,7 +56,7 @@ def _take_control(bench: Bench) -> Callable[[], None]:
 
 
 FAULTS = {
-    "most packets lost": (_lose_packets, "frames-lost", "missing-packets"),
+    "most packets lost": (_lose_packets, "frames-lost", "mend the link"),
     "no frames any more": (_stall, "frame-timeout", "firewall"),
     "server killed": (_kill, "control-lost", "check power and cable"),
     "control taken": (_take_control, "control-lost", "another program took control"),

@@ -123,6 +123,7 @@ def test_lamps_that_no_command_reaches_are_said_to_burn_and_go_off_once_they_can
     assert_dark(lines.world)
 
 
+@pytest.mark.soak  # its fault sometimes comes after the sweep has ended
 def test_lamps_that_hear_but_do_not_answer_go_off_all_the_same(lines, out):
     emulators = lines.simulated.emulators
     error = fails(lines, out, FLATS, lambda: emulators.inject("lamps silent on"))
