@@ -18,6 +18,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "bad-input.md"
 WRITE_ANEW = "python -m tests.test_bad_input.table"
 _BEGIN = "<!-- what follows is written by tests/test_bad_input/table.py -->"
 _HEAD = "| What is wrong | Typed | What darkflat says | Code |\n|---|---|---|---|\n"
+_FOLDER = "work"  # in which `run` works
 _TIME = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d[.\d]*(Z|[+-]\d\d:\d\d)?")
 
 
@@ -36,7 +37,7 @@ class Row:
 
 def cell(text: str) -> str:
     """Return `text` for a table: times and the run's own folder taken out."""
-    plain = re.sub(r"/\S*/work/", "/…/", _TIME.sub("…", text))
+    plain = re.sub(rf"/\S*/{_FOLDER}/", "/…/", _TIME.sub("…", text))
     return plain.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;").replace("*", "\\*")
 
 
