@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import re
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
@@ -56,11 +57,14 @@ def _take_control(bench: Bench) -> Callable[[], None]:
 
 
 FAULTS = {
-    "most packets lost": (_lose_packets, "frames-lost", "mend the link"),
+    # Which packets are lost is chance: a frame without its leader never came.
+    "most packets lost": (
+        _lose_packets, "frames-lost", r"\(the last: (missing-packets|never came)\); mend the link",
+    ),
     "no frames any more": (_stall, "frame-timeout", "firewall"),
     "server killed": (_kill, "control-lost", "check power and cable"),
     "control taken": (_take_control, "control-lost", "another program took control"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("inject", "code", "said"), FAULTS.values(), ids=FAULTS)
@@ -73,7 +77,7 @@ def test_a_fault_ends_dark_in_one_sentence_and_the_run_goes_on_once_it_is_mended
                 gige, PLAN, out, on_progress=at_frame(12, lambda: mending.callback(inject(gige)))
             )
         assert caught.value.code == code
-        assert said in str(caught.value)
+        assert re.search(said, str(caught.value))
         assert "\n" not in str(caught.value)
         assert_dark(gige.world)
         assert whole_blocks(out) == {"000": 256}
