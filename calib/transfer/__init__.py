@@ -1,0 +1,1 @@
+"""Photon transfer: from recordings alone to system gain, noise and electrons."""
