@@ -1,6 +1,5 @@
 """Puts the figures on one page that needs nothing but itself."""
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.resources import files
@@ -25,6 +24,7 @@ from calib.radiometric.report import (
 )
 from calib.radiometric.uniformity import nearest_to_half_scale
 from calib.recording.block_statistics import RecordingStatistics
+from calib.recording.durable import write_whole
 from calib.recording.protocol import Recording
 
 CAPTIONS = {
@@ -82,12 +82,7 @@ def write_report(
         budget=calibration.coefficients.budget,
         provenance=words.provenance(calibration.coefficients),
     )
-    partial = path.with_name(path.name + ".partial")
-    with partial.open("w", encoding="utf-8") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    partial.replace(path)
+    write_whole(path, text.encode())
 
 
 def figures(

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from calib.errors import DarkflatError
 from calib.forward.model import Model
 from calib.radiometric.calibrate import calibrate
 from calib.radiometric.calibration import Calibration
@@ -131,6 +132,10 @@ def test_a_page_that_cannot_be_written_leaves_nothing(
     calibration: Calibration,
     statistics: RecordingStatistics,
 ) -> None:
-    with pytest.raises(FileNotFoundError):
-        write_report(tmp_path / "nowhere" / "r.html", recording, calibration, statistics)
-    assert list(tmp_path.iterdir()) == []
+    (tmp_path / "taken").mkdir()
+    before = list(tmp_path.iterdir())
+    for path in (tmp_path / "nowhere" / "r.html", tmp_path / "taken"):
+        with pytest.raises(DarkflatError, match=re.escape(str(path))) as error:
+            write_report(path, recording, calibration, statistics)
+        assert error.value.code == "cannot-write"
+        assert list(tmp_path.iterdir()) == before
