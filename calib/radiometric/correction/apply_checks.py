@@ -16,16 +16,16 @@ TEMPERATURE_MARGIN_C = 1.0
 
 @dataclass(frozen=True)
 class Validity:
-    """From when until when a certified set holds; None is open. Naive times are UTC."""
+    """From when up to, but without, when a certified set holds; None is open. Naive is UTC."""
 
     valid_from: datetime | None = None
     valid_until: datetime | None = None
 
     def covers(self, at: datetime) -> bool:
-        """Tell whether `at` lies within, both ends included."""
+        """Tell whether `at` lies within, as the store's look-up does: the end itself is outside."""
         when = _utc(at)
         after = self.valid_from is None or _utc(self.valid_from) <= when
-        return after and (self.valid_until is None or when <= _utc(self.valid_until))
+        return after and (self.valid_until is None or when < _utc(self.valid_until))
 
 
 @dataclass(frozen=True)

@@ -119,6 +119,8 @@ def test_another_camera_is_refused_unless_forced_and_then_the_output_says_so(cha
     [
         (datetime(2026, 11, 15, tzinfo=UTC), NOVEMBER, False),
         (datetime(2026, 11, 15), NOVEMBER, False),
+        (NOVEMBER.valid_from, NOVEMBER, False),
+        (NOVEMBER.valid_until, NOVEMBER, True),
         (datetime(2026, 12, 2, tzinfo=UTC), NOVEMBER, True),
         (datetime(2026, 10, 2, tzinfo=UTC), Validity(valid_from=NOVEMBER.valid_from), True),
         (datetime(2027, 10, 2, tzinfo=UTC), Validity(valid_from=NOVEMBER.valid_from), False),
