@@ -70,7 +70,8 @@ def responsivity(calibration: Calibration) -> Figure:
     with np.errstate(invalid="ignore"):
         relative = 100.0 * found.responsivity_std / found.responsivity
     lower.plot(_only(relative, found.valid), color=ORANGE, linewidth=0.5)
-    lower.set(ylabel="u(QE), %", xlabel="column", ylim=(0.0, None))
+    lower.set(ylabel="u(QE), %", xlabel="column")
+    lower.set_ylim(0.0, 1.15 * lower.get_ylim()[1])
     return figure
 
 
