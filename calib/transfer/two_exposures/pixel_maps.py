@@ -1,0 +1,114 @@
+"""What two exposures tell of every pixel, and the file that it is kept in."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.kernels.pixel_sums import Pixels
+from calib.radiometric.coefficients import content_addressed
+from calib.transfer.two_exposures.exposure_pair import ExposurePair
+from calib.transfer.two_exposures.pixel_state import PixelState
+
+Method = Literal["sanuc", "s3nuc"]
+FORMAT = "darkflat two-exposure maps 1"
+_AT_ONCE = 32768  # pixels whose intermediate results stay in the cache
+
+
+@dataclass(frozen=True)
+class PixelMaps:
+    """One value per pixel, (n_pixels,); every `_std` is a standard uncertainty (k = 1).
+
+    Values that a pixel's `reason` does not allow are NaN, and so are their uncertainties. What is
+    told may be negative: a read noise variance scatters about its value, and that may be small.
+
+    Attributes:
+        system_gain_dn_per_e: G.
+        system_gain_dn_per_e_std: Its uncertainty.
+        bias_dn: B, what the pixel reads at exposure 0.
+        bias_dn_std: Its uncertainty.
+        photoelectrons: K̄, of the first exposure; what dark current adds is among them.
+        photoelectrons_std: Its uncertainty. The estimate is skewed; 1/K̄ is not (docs).
+        photoelectrons_step: ΔK̄, by how many more the second exposure has.
+        photoelectrons_step_std: Its uncertainty.
+        read_noise_variance_dn2: σ_n², without the 1/12 DN² of rounding.
+        read_noise_variance_dn2_std: Its uncertainty.
+        gain_bias_covariance: Of G and B, DN²/e⁻.
+        reason: `PixelState`, uint8.
+    """
+
+    system_gain_dn_per_e: Pixels
+    system_gain_dn_per_e_std: Pixels
+    bias_dn: Pixels
+    bias_dn_std: Pixels
+    photoelectrons: Pixels
+    photoelectrons_std: Pixels
+    photoelectrons_step: Pixels
+    photoelectrons_step_std: Pixels
+    read_noise_variance_dn2: Pixels
+    read_noise_variance_dn2_std: Pixels
+    gain_bias_covariance: Pixels
+    reason: NDArray[np.uint8]
+
+    @classmethod
+    def empty(cls, n_pixels: int) -> "PixelMaps":
+        """Return maps to be filled."""
+        arrays: dict[str, Any] = {f.name: np.empty(n_pixels) for f in fields(cls)}
+        return cls(**{**arrays, "reason": np.empty(n_pixels, np.uint8)})
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Which pixels are determined in everything, (n_pixels,)."""
+        return np.equal(self.reason, PixelState.VALID)
+
+    def counts(self) -> dict[str, int]:
+        """Return how many pixels are in each state that occurs.
+
+        >>> arrays = [np.zeros(3)] * 11
+        >>> PixelMaps(*arrays, np.array([0, 5, 0], np.uint8)).counts()
+        {'valid': 2, 'no_shot_noise': 1}
+        """
+        number = np.bincount(self.reason, minlength=len(PixelState))
+        return {s.name.lower(): int(number[s]) for s in PixelState if number[s]}
+
+    def save(self, path: Path | str, shape: tuple[int, ...], about: Mapping[str, Any]) -> str:
+        """Write the maps (HDF5) as images of `shape`, whole or not at all; return their hash.
+
+        Args:
+            path: The file.
+            shape: (n_rows, n_columns), or (n_columns,) for a line sensor.
+            about: What else is told, ready for JSON.
+
+        Raises:
+            InputError: `cannot-write`; DiskFullError where there is no room.
+        """
+        arrays = {f.name: getattr(self, f.name).reshape(shape) for f in fields(self)}
+        codes = {state.name.lower(): int(state) for state in PixelState}
+        metadata = {**about, "format": FORMAT, "reason_codes": codes}
+        return content_addressed.write(Path(path), arrays, _finite(metadata))
+
+
+def by_pixel(pair: ExposurePair, estimate: Callable[[ExposurePair, float], PixelMaps]) -> PixelMaps:
+    """Return `estimate` of all pixels, some at a time, so that memory is that of the maps."""
+    gain, n = pair.ratio_of_sums, pair.n_pixels
+    maps = PixelMaps.empty(n)
+    for first in range(0, n, _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            part = estimate(pair.at(some), gain)
+        for field in fields(PixelMaps):
+            getattr(maps, field.name)[some] = getattr(part, field.name)
+    return maps
+
+
+def _finite(value: Any) -> Any:
+    """Return `value` with None for every number that JSON does not know."""
+    if isinstance(value, dict):
+        return {key: _finite(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
