@@ -7,29 +7,29 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from calib.arrays import Columns, Lines
+from calib.arrays import Columns, Lines, Pixels, by_line
 from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect, Stage
 
 
 @dataclass(frozen=True)
 class ExpectedElectrons:
-    """line_factor[n] x light[n or 0, i] + dark[i]: the charge before shot noise.
+    """line_factor[n] x light[n or 0, i] + dark[i]: the charge of pixel i before shot noise.
 
     Attributes:
-        light: (1, n_columns) where all lines are alike but for their factor, else
-            (n_lines, n_columns).
+        light: (1, *sample) where all lines are alike but for their factor, else
+            (n_lines, *sample).
         line_factor: (n_lines,).
-        dark: (n_columns,).
+        dark: (*sample,).
     """
 
     light: NDArray[np.float64]
     line_factor: Columns
-    dark: Columns
+    dark: Pixels
 
     def by_line(self) -> NDArray[np.float64]:
-        """Return the expected electrons, (n_lines, n_columns)."""
-        return np.asarray(self.light * self.line_factor[:, np.newaxis] + self.dark)
+        """Return the expected electrons, (n_lines, *sample)."""
+        return np.asarray(self.light * by_line(self.line_factor, self.light.ndim) + self.dark)
 
 
 def run(
@@ -65,15 +65,15 @@ def expected_electrons(
 
     Args:
         effects: In the order of the chain.
-        scene: Radiance, (1, n_columns) where all lines see the same, else (n_lines, n_columns).
+        scene: Radiance, (1, *sample) where all lines see the same, else (n_lines, *sample).
         at: The conditions.
         rng: For links that scatter the light, such as a jittering exposure.
     """
-    n_columns = scene.shape[1]
+    sample = scene.shape[1:]
     if not all(effect.separable for effect in effects):
         full = run(effects, _every_line(scene, at), at, rng)
         ones = np.ones(at.n_lines)
-        return ExpectedElectrons(np.asarray(full, np.float64), ones, np.zeros(n_columns))
+        return ExpectedElectrons(np.asarray(full, np.float64), ones, np.zeros(sample))
     factor = np.ones(at.n_lines)
     alike = []
     for effect in effects:
@@ -83,10 +83,10 @@ def expected_electrons(
         else:
             factor = factor * of_lines
     # Affine in the light: a capped lens shows the part that the lines' factors leave alone.
-    dark = run(alike, np.zeros((1, n_columns)), replace(at, capped=True), rng)
+    dark = run(alike, np.zeros((1, *sample)), replace(at, capped=True), rng)
     light = run(alike, scene, at, rng) - dark
     return ExpectedElectrons(np.asarray(light, np.float64), factor, np.asarray(dark[0], np.float64))
 
 
 def _every_line(scene: Lines, at: Conditions) -> Lines:
-    return np.array(np.broadcast_to(scene, (at.n_lines, scene.shape[1])), dtype=np.float64)
+    return np.array(np.broadcast_to(scene, (at.n_lines, *scene.shape[1:])), dtype=np.float64)

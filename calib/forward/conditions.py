@@ -9,12 +9,12 @@ from calib.arrays import Columns
 
 @dataclass(frozen=True)
 class Conditions:
-    """What holds while a stretch of lines is exposed.
+    """What holds while a stretch of lines is exposed; of an area sensor, a stretch of frames.
 
     Attributes:
         exposure_us: Exposure time of each line.
-        line_period_us: Time from one line's start to the next's.
-        line_times_s: Wall time of each line since the recording started, (n_lines,).
+        line_period_us: Time from one line's start to the next's, or from frame to frame.
+        line_times_s: Wall time of each line, or frame, since the recording started, (n_lines,).
         lamps: Relative emission of each lamp now, 1 = its own nominal radiance; warm-up included.
             An LED is one lamp whose emission is its setting relative to the nominal one.
         level: The number of lamps that burn, or the LED's setting; 0 in the dark.

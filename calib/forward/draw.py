@@ -13,7 +13,7 @@ from calib.forward.fused import can_fuse, draw_fused
 def draw(
     effects: tuple[Effect, ...], scene: Lines, at: Conditions, rng: Generator, bit_depth: int
 ) -> Drawn:
-    """Return `at.n_lines` lines of `scene`, (1 or n_lines, n_columns) of radiance.
+    """Return `at.n_lines` lines of `scene`, (1 or n_lines, *sample) of radiance.
 
     Both ways draw from the same distribution, but not the same numbers.
     """
@@ -37,5 +37,5 @@ def draw_link_by_link(
     rng: Generator,
     bit_depth: int,
 ) -> RawLines:
-    """Return codes, (n_lines, n_columns), by applying each link after the light in turn."""
+    """Return codes, (n_lines, *sample), by applying each link after the light in turn."""
     return as_codes(run(after, expected.by_line(), at, rng, entered=Stage.CHARGE), bit_depth)

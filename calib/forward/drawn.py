@@ -18,7 +18,7 @@ class Drawn:
     """Lines as a camera sends them, and on request what they were drawn from.
 
     Attributes:
-        dn: Codes, (n_lines, n_columns); uint8 at 8 bits, else uint16.
+        dn: Codes, (n_lines, *sample); uint8 at 8 bits, else uint16.
     """
 
     dn: RawLines
@@ -29,12 +29,12 @@ class Drawn:
 
     @cached_property
     def electrons(self) -> NDArray[np.float64]:
-        """Expected electrons before shot noise, (n_lines, n_columns), dark charge included."""
+        """Expected electrons before shot noise, (n_lines, *sample), dark charge included."""
         return self._expected.by_line()
 
     @cached_property
     def noise_free_dn(self) -> NDArray[np.float64]:
-        """DN without the links that draw random numbers, (n_lines, n_columns).
+        """DN without the links that draw random numbers, (n_lines, *sample).
 
         Neither rounded nor clipped to codes: it ends before the stage of the codes. It is the
         mean DN wherever the chain is linear and nothing clips.

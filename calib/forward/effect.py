@@ -5,6 +5,10 @@ Adding one takes two steps: a file in `calib/forward/effects/` with a frozen dat
 `calib/forward/effects/catalogue.py`. Reading and writing model files and the catalogue's tests
 then hold for it. `apply` sees all lines of one draw, in the order of time, so an effect may carry
 charge from line to line; its zero strength is told by the parameters' `neutral` values.
+
+The axes of a signal are (n_lines, *sample): a line sensor's sample is a line, an area sensor's a
+frame, whose pixels are all exposed at one time. An effect of single pixels need not know which; one
+of rows, of taps or of the optics tells by the number of axes.
 """
 
 from abc import ABC, abstractmethod
@@ -43,8 +47,8 @@ class Effect(ABC):
     separable: ClassVar[bool] = False
     """True where `apply` is affine in the light and alike on every line but for `line_factor`.
 
-    Such an effect also takes a single line, (1, n_columns), for all. A chain of them never needs
-    the expected electrons by line and column.
+    Such an effect also takes a single line, (1, *sample), for all. A chain of them never needs
+    the expected electrons by line and pixel.
     """
 
     def __post_init__(self) -> None:
@@ -53,7 +57,7 @@ class Effect(ABC):
 
     @abstractmethod
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:
-        """Return the signal after this effect, (n_lines, n_columns); never change `signal`."""
+        """Return the signal after this effect, (n_lines, *sample); never change `signal`."""
 
     def line_factor(self, at: Conditions, rng: Generator) -> Columns | None:  # noqa: ARG002
         """Return the factor by which a separable effect scales each line's light, (n_lines,).

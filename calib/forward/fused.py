@@ -30,10 +30,10 @@ def can_fuse(after_light: tuple[Effect, ...]) -> bool:
 def draw_fused(
     after_light: tuple[Effect, ...], expected: ExpectedElectrons, at: Conditions, rng: Generator
 ) -> RawLines:
-    """Return codes, (n_lines, n_columns); `can_fuse` of the links must hold."""
-    n_columns = expected.light.shape[1]
+    """Return codes, (n_lines, *sample); `can_fuse` of the links must hold."""
+    sample = expected.light.shape[1:]
     full_well_e, read_std_e, full_scale_dn = math.inf, 0.0, 0
-    gain, offset = np.ones(n_columns), np.zeros(n_columns)
+    gain, offset = np.ones(sample), np.zeros(sample)
     for effect in after_light:
         match effect:
             case FullWell():
@@ -41,19 +41,21 @@ def draw_fused(
             case ReadNoise():
                 read_std_e = effect.std_e
             case SystemGain():
-                gain = effect.columns(n_columns, at.gain_db)
+                gain = effect.pixels(sample, at.gain_db)
             case Offset():
-                offset = effect.columns(n_columns, at.black_level_dn)
+                offset = effect.pixels(sample, at.black_level_dn)
             case Adc():
                 full_scale_dn = effect.full_scale_dn
-    return draw_codes(
-        expected.light,
+    # The kernel knows lines alone: a frame is a long one.
+    codes = draw_codes(
+        expected.light.reshape(len(expected.light), -1),
         expected.line_factor,
-        expected.dark,
+        expected.dark.ravel(),
         read_std_e=read_std_e,
-        gain_dn_per_e=gain,
-        offset_dn=offset,
+        gain_dn_per_e=gain.ravel(),
+        offset_dn=offset.ravel(),
         full_scale_dn=full_scale_dn,
         full_well_e=full_well_e,
         key=int(rng.integers(1 << 64, dtype=np.uint64)),
     )
+    return codes.reshape(-1, *sample)

@@ -14,13 +14,17 @@ from calib.forward.draw import draw
 from calib.forward.drawn import Drawn
 from calib.forward.effect import Effect
 from calib.forward.effects.catalogue import effect_named, place_of
+from calib.forward.pattern import pixel_count
 from calib.forward.scene import as_scene
 from calib.forward.truth import Truth
 from calib.forward.truth_of import truth_of
+from calib.recording.frame_codes import sample_shape
 from calib.recording.header import CameraHeader, SourceHeader
 
 REQUIRED = ("responsivity", "system_gain", "adc")
 """The links that change the unit: no chain gets from light to codes without them."""
+MOST_PIXELS = 1 << 28
+"""Of a frame; what belongs to a pixel is kept for each of them."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +59,11 @@ class Model:
                     f"effect {name} is missing; add it, for light cannot become codes without it.",
                     code="effect-missing",
                 )
-        if self.camera.rows is not None:
+        if pixel_count(self.camera) > MOST_PIXELS:
             raise InputError(
-                "camera.rows is given, but the forward model draws line sensors only; "
-                "leave it out.",
-                code="area-sensor",
+                f"camera: {self.camera.rows} rows of {self.camera.columns} columns are more than "
+                f"{MOST_PIXELS} pixels; give fewer.",
+                code="too-many-pixels",
             )
         for effect in ordered:
             effect.check_camera(self.camera)
@@ -128,15 +132,15 @@ class Model:
         return replace(self, effects=tuple(e for e in self.effects if e.name != name))
 
     def draw(self, at: Conditions, rng: Generator, scene: Lines | None = None) -> Drawn:
-        """Return `at.n_lines` lines.
+        """Return `at.n_lines` lines, or frames of an area sensor.
 
         Args:
             at: The conditions; `at.lamps` hold what each lamp emits now.
             rng: Where the randomness comes from; the same state gives the same lines.
-            scene: Radiance that comes on top of the lamps', (n_lines, n_columns) or one line for
+            scene: Radiance that comes on top of the lamps', (n_lines, *sample) or one sample for
                 all; none where not given. A cap shuts it out, too.
         """
-        radiance = as_scene(scene, at.n_lines, self.camera.columns)
+        radiance = as_scene(scene, at.n_lines, sample_shape(self.camera))
         return draw(self.effects, radiance, at, rng, self.camera.bit_depth)
 
     def truth(self) -> Truth:

@@ -1,13 +1,16 @@
-"""Fixed patterns: numbers that belong to a column for the sensor's life."""
+"""Fixed patterns: numbers that belong to a pixel for the sensor's life."""
 
 from functools import lru_cache
+from math import prod
 from zlib import crc32
 
 import numpy as np
 from numpy.random import Generator, default_rng
 
-from calib.arrays import Columns
+from calib.arrays import Pixels, SampleShape
 from calib.errors import InputError
+from calib.recording.frame_codes import sample_shape
+from calib.recording.header import CameraHeader
 
 
 def pattern_generator(seed: int, effect: str) -> Generator:
@@ -18,17 +21,22 @@ def pattern_generator(seed: int, effect: str) -> Generator:
     return default_rng([seed, crc32(effect.encode())])
 
 
-@lru_cache(maxsize=64)
-def normal_pattern(seed: int, effect: str, n_columns: int) -> Columns:
-    """Return a standard normal number for each column, (n_columns,), read-only."""
-    pattern = pattern_generator(seed, effect).standard_normal(n_columns)
+@lru_cache(maxsize=16)
+def normal_pattern(seed: int, effect: str, sample: SampleShape) -> Pixels:
+    """Return a standard normal number for each pixel, (*sample,), read-only."""
+    pattern = np.asarray(pattern_generator(seed, effect).standard_normal(sample))
     pattern.flags.writeable = False
     return pattern
 
 
-def explicit_pattern(values: tuple[float, ...]) -> Columns:
-    """Return the values given one by one in a model file, (n_columns,)."""
-    return np.asarray(values, dtype=np.float64)
+def explicit_pattern(values: tuple[float, ...], sample: SampleShape) -> Pixels:
+    """Return the values given one by one in a model file, row by row, (*sample,)."""
+    return np.asarray(values, dtype=np.float64).reshape(sample)
+
+
+def pixel_count(camera: CameraHeader) -> int:
+    """Return how many pixels a sample of `camera` has."""
+    return prod(sample_shape(camera))
 
 
 def check_length(values: tuple[float, ...], wanted: int, where: str) -> None:

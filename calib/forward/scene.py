@@ -1,4 +1,4 @@
-"""The radiance that a scene sends into the lens, by line and column."""
+"""The radiance that a scene sends into the lens, by line and pixel."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,21 +7,22 @@ from calib.arrays import Lines
 from calib.errors import InputError
 
 
-def as_scene(scene: Lines | None, n_lines: int, n_columns: int) -> NDArray[np.float64]:
-    """Return a radiance image, (1, n_columns) or (n_lines, n_columns); dark where None.
+def as_scene(scene: Lines | None, n_lines: int, sample: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return a radiance image, (1, *sample) or (n_lines, *sample); dark where None.
 
-    A single line, (n_columns,) or (1, n_columns), stands for all lines.
+    A single one, (*sample,) or (1, *sample), stands for all lines, or frames.
 
     Raises:
         InputError: The shape does not fit, or a radiance is negative or not finite.
     """
     if scene is None:
-        return np.zeros((1, n_columns))
-    image = np.atleast_2d(np.asarray(scene, dtype=np.float64))
-    if image.shape not in ((1, n_columns), (n_lines, n_columns)):
+        return np.zeros((1, *sample))
+    image = np.asarray(scene, dtype=np.float64)
+    image = image[np.newaxis] if image.ndim == len(sample) else image
+    if image.shape not in ((1, *sample), (n_lines, *sample)):
         raise InputError(
-            f"scene: its shape is {np.shape(scene)}; give ({n_lines}, {n_columns}) or one line "
-            f"of {n_columns} columns.",
+            f"scene: its shape is {np.shape(scene)}; give {(n_lines, *sample)}, or {sample} for "
+            f"all {n_lines} alike.",
             code="scene-shape",
         )
     if not (np.isfinite(image).all() and image.min() >= 0):

@@ -11,6 +11,7 @@ from calib.forward.conditions import Conditions
 from calib.forward.model import Model
 from calib.forward.scene import as_scene
 from calib.forward.schedule import AMBIENT_C, ScheduledBlock, line_period_us, schedule
+from calib.recording.frame_codes import sample_shape
 from calib.recording.header import Block
 
 
@@ -33,9 +34,10 @@ def simulate(
         blocks: In the order of time. Where None, `started_s`, `sensor_temperature_c` (25), `lines`
             (one frame) and `radiance` (nominal, of the lamps that burn) are filled in.
         rng: The same state gives the same recording.
-        frame_lines: Lines per frame; a block's last frame holds what is left.
-        scenes: The radiance images that blocks of kind `scene` name, (lines, n_columns) each, or
-            one line.
+        frame_lines: Lines per frame; a block's last frame holds what is left. Of an area sensor,
+            how many frames come at once.
+        scenes: The radiance images that blocks of kind `scene` name, (lines, *sample) each, or
+            one sample.
         settle_s: How long the bench waits after switching lamps, where `started_s` is None.
 
     Raises:
@@ -63,13 +65,13 @@ def _image(one: ScheduledBlock, model: Model, scenes: Mapping[str, Lines]) -> Li
             f"{', '.join(scenes) or 'none'}.",
             code="scene-missing",
         )
-    return as_scene(scenes[block.scene], one.n_lines, model.camera.columns)
+    return as_scene(scenes[block.scene], one.n_lines, sample_shape(model.camera))
 
 
 def _frames(
     model: Model, one: ScheduledBlock, image: Lines | None, frame_lines: int, rng: Generator
 ) -> Iterator[RawLines]:
-    """Yield the block's frames, (frame_lines, n_columns) each."""
+    """Yield the block's frames, (frame_lines, *sample) each."""
     for first in range(0, one.n_lines, frame_lines):
         stop = min(first + frame_lines, one.n_lines)
         part = image if image is None or len(image) == 1 else image[first:stop]

@@ -1,13 +1,16 @@
-"""Which output tap reads which column."""
+"""Which output tap reads which pixel."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.arrays import Pixels, SampleShape
 from calib.errors import InputError
 from calib.recording.header import CameraHeader
 
 LINE_LAYOUTS = ("single", "odd_even", "halves", "quarters")
-"""The layouts that a line sensor can have; `quadrants` belongs to area sensors."""
+"""The layouts that go by columns: a line sensor's, or every row's of an area sensor."""
+LAYOUTS = (*LINE_LAYOUTS, "quadrants")
+"""All of them; `quadrants` are of area sensors alone."""
 
 _TAPS = {"single": 1, "odd_even": 2, "halves": 2, "quarters": 4}
 
@@ -43,9 +46,24 @@ def columns_of_tap(layout: str, n_columns: int, tap: int) -> NDArray[np.intp]:
     return np.flatnonzero(tap_of_column(layout, n_columns) == tap)
 
 
-def by_tap(values: tuple[float, ...], layout: str, n_columns: int) -> NDArray[np.float64]:
-    """Return each column's value where `values` holds one per tap, (n_columns,)."""
-    return np.asarray(values, dtype=np.float64)[tap_of_column(layout, n_columns)]
+def tap_of_pixel(layout: str, sample: SampleShape) -> NDArray[np.intp]:
+    """Return the tap, from 0, that reads each pixel, (*sample,).
+
+    Quadrants count along the rows: top left, top right, bottom left, bottom right.
+
+    >>> tap_of_pixel("quadrants", (2, 4)).tolist()
+    [[0, 0, 1, 1], [2, 2, 3, 3]]
+    """
+    shape = (sample,) if isinstance(sample, int) else sample
+    if layout != "quadrants" or len(shape) == 1:
+        return np.broadcast_to(tap_of_column(layout, shape[-1]), shape)
+    rows, columns = (tap_of_column("halves", n) for n in shape)
+    return 2 * rows[:, np.newaxis] + columns
+
+
+def by_tap(values: tuple[float, ...], layout: str, sample: SampleShape) -> Pixels:
+    """Return each pixel's value where `values` holds one per tap, (*sample,)."""
+    return np.asarray(values, dtype=np.float64)[tap_of_pixel(layout, sample)]
 
 
 def check_taps(values: tuple[float, ...], layout: str, camera: CameraHeader, where: str) -> None:
@@ -58,9 +76,10 @@ def check_taps(values: tuple[float, ...], layout: str, camera: CameraHeader, whe
             "give one for both.",
             code="tap-layout-mismatch",
         )
-    if len(values) != tap_count(layout):
+    taps = 4 if layout == "quadrants" and camera.rows is not None else tap_count(layout)
+    if len(values) != taps:
         raise InputError(
-            f"{where} has {len(values)} values; give one for each of the {tap_count(layout)} taps "
+            f"{where} has {len(values)} values; give one for each of the {taps} taps "
             f"of layout {layout!r}.",
             code="wrong-length",
         )

@@ -34,6 +34,7 @@ class CameraHeader(_Header):
     tap_layout: TapLayout = "single"
     readout: Literal["left", "right", "both"] = "left"
     line_period_us: float | None = Field(default=None, gt=0)
+    """From one line's start to the next's; from frame to frame of an area sensor."""
     band: str = ""
     started_at: AwareDatetime | None = None
     dtype: str | None = None

@@ -37,7 +37,7 @@ class Adc(Effect):
         return (1 << self.bit_depth) - 1
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
-        """DN in, whole codes out, (n_lines, n_columns)."""
+        """DN in, whole codes out, (n_lines, *sample)."""
         return np.asarray(np.clip(np.floor(signal + 0.5), 0.0, float(self.full_scale_dn)))
 
     def check_camera(self, camera: CameraHeader) -> None:

@@ -6,13 +6,13 @@ a line looks alike on every line and is a part of DN0.
 """
 
 from dataclasses import dataclass
-from math import pi
+from math import pi, prod
 from typing import ClassVar
 
 import numpy as np
 from numpy.random import Generator
 
-from calib.arrays import Lines
+from calib.arrays import Lines, by_line
 from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect, Stage
 from calib.forward.parameter import parameter
@@ -21,6 +21,8 @@ from calib.forward.parameter import parameter
 @dataclass(frozen=True)
 class Banding(Effect):
     """Add a sine of the pixel's read-out time; a line's columns take one line period to read.
+
+    So do a frame's pixels, row by row: of an area sensor that is the time from frame to frame.
 
     Attributes:
         amplitude_dn: Half of its peak-to-peak height.
@@ -37,9 +39,10 @@ class Banding(Effect):
     phase_rad: float = parameter(0.0, unit="rad", low=-2 * pi, high=2 * pi)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
-        """DN in and out, (n_lines, n_columns)."""
-        n_columns = signal.shape[-1]
+        """DN in and out, (n_lines, *sample)."""
+        sample = signal.shape[1:]
+        n_pixels = prod(sample)
         lines = 2 * pi * np.mod(self.frequency_hz * at.line_times_s, 1.0) + self.phase_rad
-        within_line_s = np.arange(n_columns) * (at.line_period_us * 1e-6 / n_columns)
-        columns = 2 * pi * self.frequency_hz * within_line_s
-        return np.asarray(signal + self.amplitude_dn * np.sin(lines[:, np.newaxis] + columns))
+        within_line_s = np.arange(n_pixels) * (at.line_period_us * 1e-6 / n_pixels)
+        pixels = (2 * pi * self.frequency_hz * within_line_s).reshape(sample)
+        return np.asarray(signal + self.amplitude_dn * np.sin(by_line(lines, signal.ndim) + pixels))

@@ -15,12 +15,14 @@ from calib.forward.effects.offset import Offset
 from calib.forward.effects.read_noise import ReadNoise
 from calib.forward.effects.responsivity import Responsivity
 from calib.forward.effects.shot_noise import ShotNoise
+from calib.forward.effects.spot import Spot
 from calib.forward.effects.system_gain import SystemGain
 from calib.forward.effects.vignette import Vignette
 
 CATALOGUE: tuple[type[Effect], ...] = (
     Illumination,
     LampDrift,
+    Spot,
     Vignette,
     Responsivity,
     DarkCurrent,

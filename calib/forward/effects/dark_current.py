@@ -1,4 +1,4 @@
-"""Dark current: charge that gathers without light, in each column at its own rate (DSNU).
+"""Dark current: charge that gathers without light, in each pixel at its own rate (DSNU).
 
 Source: EMVA Standard 1288, Release 4.0 Linear, dark current as the growth of the dark signal with
 exposure time. That standard's DSNU also holds the offset's fixed pattern, which is here a part of
@@ -11,11 +11,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.random import Generator
 
-from calib.arrays import Columns, Lines
+from calib.arrays import Lines, Pixels, SampleShape
 from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect, Stage
 from calib.forward.parameter import parameter
-from calib.forward.pattern import check_length, explicit_pattern, normal_pattern
+from calib.forward.pattern import check_length, explicit_pattern, normal_pattern, pixel_count
 from calib.recording.header import CameraHeader
 
 
@@ -25,9 +25,9 @@ class DarkCurrent(Effect):
 
     Attributes:
         electrons_per_us: Mean rate.
-        dsnu_std_e_per_us: Standard deviation of the rate among columns; the rate stops at 0.
+        dsnu_std_e_per_us: Standard deviation of the rate among pixels; the rate stops at 0.
         dsnu_seed: Which sensor of that kind it is.
-        rates_e_per_us: Rate of each column, (n_columns,); where given, in place of the drawn one.
+        rates_e_per_us: Rate of each pixel, (*sample,); where given, in place of the drawn one.
     """
 
     name: ClassVar[str] = "dark_current"
@@ -41,16 +41,18 @@ class DarkCurrent(Effect):
     rates_e_per_us: tuple[float, ...] = parameter((), unit="e-/us", low=0.0, high=1e6)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
-        """Expected electrons in and out, (n_lines, n_columns)."""
-        return signal + self.rates(signal.shape[-1]) * at.exposure_us
+        """Expected electrons in and out, (n_lines, *sample)."""
+        return signal + self.rates(signal.shape[1:]) * at.exposure_us
 
-    def rates(self, n_columns: int) -> Columns:
-        """Return the rate of each column, e-/us, (n_columns,)."""
+    def rates(self, sample: SampleShape) -> Pixels:
+        """Return the rate of each pixel, e-/us, (*sample,)."""
         if self.rates_e_per_us:
-            return explicit_pattern(self.rates_e_per_us)
-        pattern = normal_pattern(self.dsnu_seed, self.name, n_columns)
+            return explicit_pattern(self.rates_e_per_us, sample)
+        pattern = normal_pattern(self.dsnu_seed, self.name, sample)
         return np.maximum(self.electrons_per_us + self.dsnu_std_e_per_us * pattern, 0.0)
 
     def check_camera(self, camera: CameraHeader) -> None:
-        """Raise InputError unless `rates_e_per_us` has one value per column."""
-        check_length(self.rates_e_per_us, camera.columns, "effect dark_current: rates_e_per_us")
+        """Raise InputError unless `rates_e_per_us` has one value per pixel."""
+        check_length(
+            self.rates_e_per_us, pixel_count(camera), "effect dark_current: rates_e_per_us"
+        )

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.random import Generator
 
-from calib.arrays import Columns, Lines
+from calib.arrays import Lines, Pixels, SampleShape
 from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect, Stage
 from calib.forward.parameter import parameter
@@ -26,7 +26,7 @@ class DarkCurrentTemperature(Effect):
 
     Attributes:
         electrons_per_us: Mean rate at the reference temperature.
-        dsnu_std_e_per_us: Standard deviation of that rate among columns; the rate stops at 0.
+        dsnu_std_e_per_us: Standard deviation of that rate among pixels; the rate stops at 0.
         dsnu_seed: Which sensor of that kind it is.
         reference_c: The temperature at which the rates hold.
         doubling_k: The rise that doubles them.
@@ -44,12 +44,12 @@ class DarkCurrentTemperature(Effect):
     doubling_k: float = parameter(7.0, unit="K", low=1.0, high=50.0)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
-        """Expected electrons in and out, (n_lines, n_columns)."""
-        rates = self.rates(signal.shape[-1], at.sensor_temperature_c)
+        """Expected electrons in and out, (n_lines, *sample)."""
+        rates = self.rates(signal.shape[1:], at.sensor_temperature_c)
         return signal + rates * at.exposure_us
 
-    def rates(self, n_columns: int, temperature_c: float) -> Columns:
-        """Return the rate of each column at a temperature, e-/us, (n_columns,)."""
-        pattern = normal_pattern(self.dsnu_seed, self.name, n_columns)
+    def rates(self, sample: SampleShape, temperature_c: float) -> Pixels:
+        """Return the rate of each pixel at a temperature, e-/us, (*sample,)."""
+        pattern = normal_pattern(self.dsnu_seed, self.name, sample)
         reference = np.maximum(self.electrons_per_us + self.dsnu_std_e_per_us * pattern, 0.0)
         return np.asarray(reference * 2.0 ** ((temperature_c - self.reference_c) / self.doubling_k))

@@ -32,5 +32,5 @@ class FullWell(Effect):
     electrons: float = parameter(30_000.0, unit="e-", low=1.0, neutral=inf)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
-        """Electrons in and out, (n_lines, n_columns)."""
+        """Electrons in and out, (n_lines, *sample)."""
         return np.minimum(signal, self.electrons)

@@ -40,7 +40,7 @@ class Illumination(Effect):
     warm_up_s: tuple[float, ...] = parameter((), unit="s", low=0.0, high=36_000.0)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
-        """Radiance of the scene in, radiance at the lens out, (n_lines, n_columns)."""
+        """Radiance of the scene in, radiance at the lens out, (n_lines, *sample)."""
         if at.capped:
             return np.zeros_like(signal)
         return signal + self.total(at.lamps)

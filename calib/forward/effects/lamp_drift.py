@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.random import Generator
 
-from calib.arrays import Columns, Lines
+from calib.arrays import Columns, Lines, by_line
 from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect, Stage
 from calib.forward.parameter import parameter
@@ -34,8 +34,8 @@ class LampDrift(Effect):
     time_constant_s: float = parameter(300.0, unit="s", low=1e-3, high=1e9)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:
-        """Radiance in, radiance out, (n_lines, n_columns)."""
-        return signal * self.line_factor(at, rng)[:, np.newaxis]
+        """Radiance in, radiance out, (n_lines, *sample)."""
+        return signal * by_line(self.line_factor(at, rng), signal.ndim)
 
     def line_factor(self, at: Conditions, rng: Generator) -> Columns:  # noqa: ARG002
         """Return the relative radiance at each line's time, (n_lines,)."""

@@ -1,4 +1,4 @@
-"""Line noise: each line has an offset of its own.
+"""Line noise: each line, and each row of a frame, has an offset of its own.
 
 Source: EMVA Standard 1288, Release 4.0 Linear, the row part of the temporal noise: reference or
 supply noise that all columns of a line share.
@@ -18,7 +18,7 @@ from calib.forward.parameter import parameter
 
 @dataclass(frozen=True)
 class LineNoise(Effect):
-    """Shift each line by Gaussian noise, white from line to line.
+    """Shift each line, of a frame each row, by Gaussian noise, white from one to the next.
 
     Attributes:
         std_dn: Its standard deviation.
@@ -31,5 +31,6 @@ class LineNoise(Effect):
     std_dn: float = parameter(0.5, unit="DN", low=0.0, high=1e5, neutral=0.0)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
-        """DN in and out, (n_lines, n_columns)."""
-        return np.asarray(signal + self.std_dn * rng.standard_normal((signal.shape[0], 1)))
+        """DN in and out, (n_lines, *sample)."""
+        shifts = rng.standard_normal((*signal.shape[:-1], 1))
+        return np.asarray(signal + self.std_dn * shifts)

@@ -30,5 +30,5 @@ class Nonlinearity(Effect):
     beta_per_dn: float = parameter(2e-6, unit="1/DN", low=-1e-2, high=1e-2, neutral=0.0)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
-        """DN above the offset in and out, (n_lines, n_columns)."""
+        """DN above the offset in and out, (n_lines, *sample)."""
         return signal * (1.0 - self.beta_per_dn * signal)

@@ -1,4 +1,4 @@
-"""Offset: the DN of no charge, DN0, in each column and tap.
+"""Offset: the DN of no charge, DN0, in each pixel and tap.
 
 Source: Olsen et al., Radiometric calibration for AgCam (2010), Equation 1 and section 5.1, where
 most columns lie near the mean and a few far below it, some even below 0.
@@ -11,12 +11,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.random import Generator
 
-from calib.arrays import Columns, Lines
+from calib.arrays import Lines, Pixels, SampleShape
 from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect, Stage
 from calib.forward.parameter import parameter
-from calib.forward.pattern import check_length, explicit_pattern, pattern_generator
-from calib.forward.taps import LINE_LAYOUTS, by_tap, check_taps
+from calib.forward.pattern import (
+    check_length,
+    explicit_pattern,
+    pattern_generator,
+    pixel_count,
+)
+from calib.forward.taps import LAYOUTS, by_tap, check_taps
 from calib.recording.header import CameraHeader
 
 
@@ -25,17 +30,17 @@ class Offset(Effect):
     """Add DN0 and the camera's black level, which acts through this link alone.
 
     DN0 is the mean plus a fixed Gaussian pattern, less an exponentially distributed depth in a
-    share of columns; the pattern is shifted so that its mean over the columns is `mean_dn`.
+    share of pixels; the pattern is shifted so that its mean over the pixels is `mean_dn`.
 
     Attributes:
-        mean_dn: Mean over the columns, taps left aside.
+        mean_dn: Mean over the pixels, taps left aside.
         pattern_std_dn: Standard deviation of the Gaussian pattern.
-        low_share: Share of the columns that lie lower.
+        low_share: Share of the pixels that lie lower.
         low_depth_dn: Mean depth of those.
         pattern_seed: Which sensor of that kind it is.
-        pattern_dn: DN0 of each column, (n_columns,); where given, in place of all of the above.
+        pattern_dn: DN0 of each pixel, (*sample,); where given, in place of all of the above.
         tap_offset_dn: What each tap adds; empty where they add nothing.
-        tap_layout: Which columns a tap reads; that of the camera.
+        tap_layout: Which pixels a tap reads; that of the camera.
     """
 
     name: ClassVar[str] = "offset"
@@ -49,32 +54,34 @@ class Offset(Effect):
     pattern_seed: int = parameter(0, unit="1", low=0)
     pattern_dn: tuple[float, ...] = parameter((), unit="DN", low=-1e5, high=1e5)
     tap_offset_dn: tuple[float, ...] = parameter((), unit="DN", low=-1e4, high=1e4, neutral=())
-    tap_layout: str = parameter("single", unit="", choices=LINE_LAYOUTS)
+    tap_layout: str = parameter("single", unit="", choices=LAYOUTS)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
-        """DN above the offset in, DN out, (n_lines, n_columns)."""
-        return signal + self.columns(signal.shape[-1], at.black_level_dn)
+        """DN above the offset in, DN out, (n_lines, *sample)."""
+        return signal + self.pixels(signal.shape[1:], at.black_level_dn)
 
-    def columns(self, n_columns: int, black_level_dn: float) -> Columns:
-        """Return DN0 of each column with the camera's black level, (n_columns,)."""
-        fixed = explicit_pattern(self.pattern_dn) if self.pattern_dn else _drawn(self, n_columns)
+    def pixels(self, sample: SampleShape, black_level_dn: float) -> Pixels:
+        """Return DN0 of each pixel with the camera's black level, (*sample,)."""
+        fixed = (
+            explicit_pattern(self.pattern_dn, sample) if self.pattern_dn else _drawn(self, sample)
+        )
         if self.tap_offset_dn:
-            fixed = fixed + by_tap(self.tap_offset_dn, self.tap_layout, n_columns)
+            fixed = fixed + by_tap(self.tap_offset_dn, self.tap_layout, sample)
         return fixed + black_level_dn
 
     def check_camera(self, camera: CameraHeader) -> None:
-        """Raise InputError unless there is one value per column and per tap of the camera."""
-        check_length(self.pattern_dn, camera.columns, "effect offset: pattern_dn")
+        """Raise InputError unless there is one value per pixel and per tap of the camera."""
+        check_length(self.pattern_dn, pixel_count(camera), "effect offset: pattern_dn")
         check_taps(self.tap_offset_dn, self.tap_layout, camera, "effect offset: tap_offset_dn")
 
 
 @lru_cache(maxsize=32)
-def _drawn(offset: Offset, n_columns: int) -> Columns:
-    """Return the fixed pattern, (n_columns,), read-only."""
+def _drawn(offset: Offset, sample: SampleShape) -> Pixels:
+    """Return the fixed pattern, (*sample,), read-only."""
     rng = pattern_generator(offset.pattern_seed, offset.name)
-    pattern = offset.pattern_std_dn * rng.standard_normal(n_columns)
-    low = rng.random(n_columns) < offset.low_share
-    pattern -= np.where(low, offset.low_depth_dn * rng.standard_exponential(n_columns), 0.0)
+    pattern = offset.pattern_std_dn * rng.standard_normal(sample)
+    low = rng.random(sample) < offset.low_share
+    pattern -= np.where(low, offset.low_depth_dn * rng.standard_exponential(sample), 0.0)
     pattern += offset.mean_dn - pattern.mean()
     pattern.flags.writeable = False
     return pattern

@@ -31,5 +31,5 @@ class ReadNoise(Effect):
     std_e: float = parameter(10.0, unit="e-", low=0.0, high=1e6, neutral=0.0)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
-        """Electrons in and out, (n_lines, n_columns)."""
+        """Electrons in and out, (n_lines, *sample)."""
         return np.asarray(signal + self.std_e * rng.standard_normal(signal.shape))

@@ -23,5 +23,5 @@ class ShotNoise(Effect):
     stochastic: ClassVar[bool] = True
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
-        """Expected electrons in, electrons out, (n_lines, n_columns)."""
+        """Expected electrons in, electrons out, (n_lines, *sample)."""
         return rng.poisson(np.maximum(signal, 0.0)).astype(np.float64)

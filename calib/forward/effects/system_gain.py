@@ -10,11 +10,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.random import Generator
 
-from calib.arrays import Columns, Lines
+from calib.arrays import Lines, Pixels, SampleShape
 from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect, Stage
 from calib.forward.parameter import parameter
-from calib.forward.taps import LINE_LAYOUTS, by_tap, check_taps
+from calib.forward.taps import LAYOUTS, by_tap, check_taps
 from calib.recording.header import CameraHeader
 
 
@@ -25,7 +25,7 @@ class SystemGain(Effect):
     Attributes:
         dn_per_e: System gain at the camera's gain setting 0 dB.
         tap_gain: Each tap's gain relative to that; empty where all are alike.
-        tap_layout: Which columns a tap reads; that of the camera.
+        tap_layout: Which pixels a tap reads; that of the camera.
     """
 
     name: ClassVar[str] = "system_gain"
@@ -34,18 +34,18 @@ class SystemGain(Effect):
 
     dn_per_e: float = parameter(0.1, unit="DN/e-", low=1e-9, high=1e6, neutral=1.0)
     tap_gain: tuple[float, ...] = parameter((), unit="1", low=0.01, high=100.0, neutral=())
-    tap_layout: str = parameter("single", unit="", choices=LINE_LAYOUTS)
+    tap_layout: str = parameter("single", unit="", choices=LAYOUTS)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
-        """Electrons in, DN above the offset out, (n_lines, n_columns)."""
-        return signal * self.columns(signal.shape[-1], at.gain_db)
+        """Electrons in, DN above the offset out, (n_lines, *sample)."""
+        return signal * self.pixels(signal.shape[1:], at.gain_db)
 
-    def columns(self, n_columns: int, gain_db: float) -> Columns:
-        """Return each column's system gain, DN/e-, (n_columns,)."""
+    def pixels(self, sample: SampleShape, gain_db: float) -> Pixels:
+        """Return each pixel's system gain, DN/e-, (*sample,)."""
         gain = self.dn_per_e * float(10.0 ** (gain_db / 20.0))
         if not self.tap_gain:
-            return np.full(n_columns, gain)
-        return by_tap(self.tap_gain, self.tap_layout, n_columns) * gain
+            return np.full(sample, gain)
+        return by_tap(self.tap_gain, self.tap_layout, sample) * gain
 
     def check_camera(self, camera: CameraHeader) -> None:
         """Raise InputError unless `tap_gain` has one value per tap of the camera."""

@@ -19,10 +19,12 @@ AT = Conditions.steady(
 )
 AT_REST = Conditions.steady(6, exposure_us=40.0, line_period_us=50.0)
 every_effect = pytest.mark.parametrize("kind", CATALOGUE, ids=lambda kind: kind.name)
+SAMPLES = {"line": (32,), "frame": (4, 8)}
+lines_and_frames = pytest.mark.parametrize("sample", SAMPLES.values(), ids=SAMPLES)
 
 
-def signal() -> NDArray[np.float64]:
-    return np.random.default_rng(2).integers(100, 900, (6, 32)).astype(np.float64)
+def signal(sample: tuple[int, ...]) -> NDArray[np.float64]:
+    return np.random.default_rng(2).integers(100, 900, (6, *sample)).astype(np.float64)
 
 
 def neutral(kind: type[Effect]) -> Effect | None:
@@ -31,9 +33,10 @@ def neutral(kind: type[Effect]) -> Effect | None:
     return kind(**values) if values else None
 
 
+@lines_and_frames
 @every_effect
-def test_keeps_the_shape_and_leaves_its_input(kind: type[Effect]) -> None:
-    before = signal()
+def test_keeps_the_shape_and_leaves_its_input(kind: type[Effect], sample: tuple[int, ...]) -> None:
+    before = signal(sample)
     given = before.copy()
     given.flags.writeable = False
     after = kind().apply(given, AT, np.random.default_rng(1))
@@ -43,31 +46,36 @@ def test_keeps_the_shape_and_leaves_its_input(kind: type[Effect]) -> None:
     assert np.isfinite(after).all()
 
 
+@lines_and_frames
 @every_effect
 def test_same_seed_gives_same_answer_and_other_seed_another_if_stochastic(
-    kind: type[Effect],
+    kind: type[Effect], sample: tuple[int, ...]
 ) -> None:
     first, again, other = (
-        kind().apply(signal(), AT, np.random.default_rng(seed)) for seed in (5, 5, 6)
+        kind().apply(signal(sample), AT, np.random.default_rng(seed)) for seed in (5, 5, 6)
     )
     assert np.array_equal(first, again)
     assert np.array_equal(first, other) == (not kind.stochastic)
 
 
+@lines_and_frames
 @every_effect
-def test_zero_strength_changes_nothing(kind: type[Effect]) -> None:
+def test_zero_strength_changes_nothing(kind: type[Effect], sample: tuple[int, ...]) -> None:
     none = neutral(kind)
     if none is not None:
-        after = none.apply(signal(), AT_REST, np.random.default_rng(1))
-        assert np.array_equal(after, signal())
+        after = none.apply(signal(sample), AT_REST, np.random.default_rng(1))
+        assert np.array_equal(after, signal(sample))
     else:
-        assert not kind().apply(np.zeros((6, 32)), AT_REST, np.random.default_rng(1)).any()
+        assert not kind().apply(np.zeros((6, *sample)), AT_REST, np.random.default_rng(1)).any()
 
 
+@lines_and_frames
 @pytest.mark.parametrize("kind", [k for k in CATALOGUE if k.separable], ids=lambda kind: kind.name)
-def test_a_separable_effect_treats_one_line_as_all_lines(kind: type[Effect]) -> None:
+def test_a_separable_effect_treats_one_line_as_all_lines(
+    kind: type[Effect], sample: tuple[int, ...]
+) -> None:
     effect, rng = kind(), np.random.default_rng(1)
-    row = signal()[:1]
+    row = signal(sample)[:1]
     full = effect.apply(np.repeat(row, 6, axis=0), AT, rng)
     factor = effect.line_factor(AT, rng)
     if factor is None:
@@ -75,7 +83,7 @@ def test_a_separable_effect_treats_one_line_as_all_lines(kind: type[Effect]) -> 
         zero, one, two = (effect.apply(k * row, AT, rng) for k in (0.0, 1.0, 2.0))
         assert np.allclose(two - one, one - zero, rtol=1e-12)
     else:
-        assert np.allclose(full, factor[:, np.newaxis] * row, rtol=1e-15)
+        assert np.allclose(full, np.multiply.outer(factor, row[0]), rtol=1e-15)
 
 
 @every_effect

@@ -67,7 +67,7 @@ def test_prnu_has_its_scatter_and_another_seed_is_another_sensor() -> None:
 def test_patterns_of_different_effects_with_one_seed_are_independent() -> None:
     n = 20_000
     prnu = Responsivity(prnu_seed=5).relative(n)
-    offset = Offset(pattern_seed=5).columns(n, 0.0)
+    offset = Offset(pattern_seed=5).pixels(n, 0.0)
     dark = DarkCurrent(dsnu_seed=5).rates(n)
     assert abs(np.corrcoef(prnu, offset)[0, 1]) < 4 / np.sqrt(n)
     assert abs(np.corrcoef(prnu, dark)[0, 1]) < 4 / np.sqrt(n)
@@ -88,7 +88,7 @@ def test_dark_current_doubles_with_the_doubling_temperature() -> None:
 
 def test_camera_gain_is_an_amplitude_ratio_and_taps_have_their_own() -> None:
     gain = SystemGain(dn_per_e=0.5, tap_gain=(1.0, 1.1), tap_layout="odd_even")
-    assert np.allclose(gain.columns(4, 20.0), [5.0, 5.5, 5.0, 5.5])
+    assert np.allclose(gain.pixels(4, 20.0), [5.0, 5.5, 5.0, 5.5])
 
 
 def test_offset_has_its_mean_taps_and_black_level() -> None:
@@ -100,11 +100,11 @@ def test_offset_has_its_mean_taps_and_black_level() -> None:
         tap_offset_dn=(1.0, -3.0),
         tap_layout="halves",
     )
-    columns = offset.columns(1000, 8.0)
+    columns = offset.pixels(1000, 8.0)
     plain = Offset(mean_dn=40.0, pattern_std_dn=2.0, low_share=0.1, low_depth_dn=5.0)
-    assert plain.columns(1000, 0.0).mean() == pytest.approx(40.0)
-    assert np.allclose(columns[:500] - plain.columns(1000, 0.0)[:500], 9.0)
-    assert np.allclose(columns[500:] - plain.columns(1000, 0.0)[500:], 5.0)
+    assert plain.pixels(1000, 0.0).mean() == pytest.approx(40.0)
+    assert np.allclose(columns[:500] - plain.pixels(1000, 0.0)[:500], 9.0)
+    assert np.allclose(columns[500:] - plain.pixels(1000, 0.0)[500:], 5.0)
 
 
 def test_nonlinearity_depends_on_the_signal_alone() -> None:

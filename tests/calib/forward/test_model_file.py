@@ -49,7 +49,29 @@ BAD = {
         "8.*12",
     ),
     "bad bit depth": (GOOD.replace("= 12", "= 7"), "bad-header", r"\[camera\] bit_depth"),
-    "area sensor": (GOOD.replace("columns", "rows = 4\ncolumns"), "area-sensor", "rows"),
+    "quadrants of a line": (
+        GOOD.replace("columns", 'tap_layout = "quadrants"\ncolumns')
+        + '[effects.offset]\ntap_offset_dn = [1, 2, 3, 4]\ntap_layout = "quadrants"\n',
+        "unknown-tap-layout",
+        "not one of a line sensor",
+    ),
+    "an axis's row of a line": (
+        GOOD + "[effects.vignette]\naxis_row = 3\n",
+        "area-sensor",
+        "axis_row is 3.* no rows",
+    ),
+    "PRNU of one row of a frame": (
+        GOOD.replace("columns", "rows = 4\ncolumns").replace(
+            "[effects.responsivity]", "[effects.responsivity]\nprnu = [1, 1, 1, 1, 1, 1, 1, 1]"
+        ),
+        "wrong-length",
+        "8 values; give 32",
+    ),
+    "more pixels than fit": (
+        GOOD.replace("columns = 8", "rows = 1000000\ncolumns = 1000000"),
+        "too-many-pixels",
+        "1000000 rows of 1000000 columns",
+    ),
     "PRNU too short": (
         GOOD.replace("[effects.responsivity]", "[effects.responsivity]\nprnu = [1, 1]"),
         "wrong-length",
