@@ -36,7 +36,9 @@ class DeviceIdentity:
 class CameraSettings:
     """What a camera can be asked for.
 
-    A frame is `frame_lines` lines; `n_columns` from `first_column` on are read out.
+    A frame is `frame_lines` lines; `n_columns` from `first_column` on are read out. An area camera
+    exposes `n_rows` rows from `first_row` on all at once: a frame is then one exposure, as a line
+    is, so that `frame_lines` is 1 and `line_period_us` the time from frame to frame.
     """
 
     exposure_us: float
@@ -44,9 +46,17 @@ class CameraSettings:
     frame_lines: int
     n_columns: int
     first_column: int = 0
+    n_rows: int | None = None
+    """Of an area camera; None of a linescan camera."""
+    first_row: int = 0
     pixel_format: PixelFormat = "Mono12"
     gain_db: float = 0.0
     black_level_dn: float = 0.0
+
+    @property
+    def frame_shape(self) -> tuple[int, int]:
+        """(frame_lines, n_columns), or (n_rows, n_columns) of an area camera."""
+        return (self.n_rows or self.frame_lines, self.n_columns)
 
 
 @dataclass(frozen=True)
@@ -54,7 +64,7 @@ class CapturedFrame:
     """One whole frame as the camera sent it.
 
     Attributes:
-        dn: (frame_lines, n_columns), uint8 or uint16, the caller's own copy.
+        dn: Of the settings' `frame_shape`, uint8 or uint16, the caller's own copy.
         frame_id: The camera's own count.
         device_timestamp_ns: The camera's clock.
         host_timestamp_ns: This machine's clock when the frame was complete, Unix time.

@@ -38,6 +38,12 @@ class SettingsWriter:
         Raises:
             SettingRefusedError: Names the feature, what was wanted and what was got.
         """
+        if wanted.n_rows is not None or wanted.first_row:
+            raise self.features.refused(
+                f"n_rows = {wanted.n_rows}, first_row = {wanted.first_row}: it is driven as a "
+                "linescan camera, which has none",
+                "setting-out-of-range",
+            )
         self._quieten()
         self._write_image(wanted)
         self._write_times(wanted)

@@ -28,7 +28,7 @@ _SLICE_S = 0.05  # how long a cancelled wait may go on
 
 
 class MockCamera:
-    """Draw frames afresh from `model` under the light of `world`; the sensor's columns are real.
+    """Draw frames afresh from `model` under the light of `world`; the sensor's pixels are real.
 
     Paced, a frame comes every `frame_lines` line periods, as from a real camera; unpaced, as fast
     as it is drawn, while the camera's own clock runs on by the frame period all the same.
@@ -44,7 +44,8 @@ class MockCamera:
         frame_timeout_s: float = 2.0,
     ) -> None:
         self._sensor = VirtualSensor(model, world, np.random.default_rng(seed))
-        self._limits = CameraLimits(model.camera.columns, model.camera.bit_depth)
+        header = model.camera
+        self._limits = CameraLimits(header.columns, header.bit_depth, header.rows)
         self._identity = DeviceIdentity(
             vendor="darkflat",
             model=model.camera.model or "mock camera",

@@ -31,18 +31,26 @@ class Span:
 
 @dataclass(frozen=True)
 class CameraLimits:
-    """Ranges of a linescan camera with `columns` pixels and an ADC of `bit_depth` bits."""
+    """Ranges of a camera with `columns` pixels a line and an ADC of `bit_depth` bits.
+
+    `rows` has an area camera alone.
+    """
 
     columns: int
     bit_depth: int
+    rows: int | None = None
 
     exposure_us = Span(0.1, 1_000_000.0, 0.01)
-    """The line period caps it, too: a line is read out while the next one is exposed."""
+    """The line period caps it, too: a line, or frame, is read out while the next is exposed."""
     line_period_us = Span(1.0, 10_000_000.0, 0.01)
     gain_db = Span(0.0, 24.0, 0.01)
     black_level_dn = Span(0.0, 1000.0, 0.01)
     """In codes of the ADC, whatever the pixel format."""
-    frame_lines = Span(1, 65535, 1)
+
+    @property
+    def frame_lines(self) -> Span:
+        """An area camera's frame is one exposure."""
+        return Span(1, 65535 if self.rows is None else 1, 1)
 
     @property
     def formats(self) -> tuple[PixelFormat, ...]:

@@ -35,6 +35,8 @@ def accepted(wanted: CameraSettings, limits: CameraLimits, device: str) -> Camer
         frame_lines=wanted.frame_lines,
         n_columns=wanted.n_columns,
         first_column=wanted.first_column,
+        n_rows=wanted.n_rows,
+        first_row=wanted.first_row,
         pixel_format=wanted.pixel_format,
         gain_db=_in_range("gain_db", wanted.gain_db, limits.gain_db, device),
         black_level_dn=_in_range(
@@ -58,6 +60,21 @@ def _check_region(wanted: CameraSettings, limits: CameraLimits, device: str) -> 
                 device=device,
                 code="setting-off-step",
             )
+    _check_rows(wanted, limits, device)
+
+
+def _check_rows(wanted: CameraSettings, limits: CameraLimits, device: str) -> None:
+    if (wanted.n_rows is None) != (limits.rows is None):
+        has = "no rows" if limits.rows is None else f"{limits.rows} rows"
+        raise SettingRefusedError(
+            f"{device}: n_rows = {wanted.n_rows}, but this camera has {has}",
+            device=device,
+            code="setting-out-of-range",
+        )
+    if wanted.n_rows is not None and limits.rows is not None:
+        _in_range("n_rows", wanted.n_rows, Span(1, limits.rows, 1), device)
+    last = (limits.rows or 0) - (wanted.n_rows or 0)
+    _in_range("first_row", wanted.first_row, Span(0, last, 1), device)
 
 
 def _in_range(name: str, value: float, span: Span, device: str) -> float:

@@ -18,12 +18,12 @@ def aligned(dn: RawLines, adc_bits: int, pixel_format: PixelFormat) -> RawLines:
     zeros there, so that full scale stays full scale.
 
     Args:
-        dn: Codes, (n_lines, n_columns), 0 .. 2**adc_bits - 1.
+        dn: Codes, 0 .. 2**adc_bits - 1.
         adc_bits: Bits of the ADC.
         pixel_format: The format to carry them in.
 
     Returns:
-        (n_lines, n_columns), uint8 for Mono8, else uint16; a new array unless nothing changes.
+        Of the same shape, uint8 for Mono8, else uint16; a new array unless nothing changes.
     """
     bits = FORMATS[pixel_format].bits
     if bits < adc_bits:
@@ -45,12 +45,14 @@ class VirtualSensor:
         """Expose one frame whose first line starts `started_s` after the camera's clock did.
 
         Returns:
-            Codes of the pixel format's bit depth, (frame_lines, n_columns).
+            Codes of the pixel format's bit depth, of the settings' `frame_shape`.
         """
         at = self.conditions(settings, started_s)
         dn = self.model.draw(at, self._rng).dn
-        first = settings.first_column
-        region = dn[:, first : first + settings.n_columns]
+        first, row = settings.first_column, settings.first_row
+        region = dn[..., first : first + settings.n_columns]
+        if settings.n_rows is not None:
+            region = region[0, row : row + settings.n_rows]
         return aligned(region, self.model.camera.bit_depth, settings.pixel_format)
 
     def draw_afresh(self) -> None:

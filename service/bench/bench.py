@@ -23,6 +23,7 @@ class Bench:
         shutter: Caps the camera for darks.
         caps_by_lamps_off: True where a dark means that the lamps are off.
         sensor_columns: How many columns the camera has, where the bench file's model says so.
+        sensor_rows: How many rows an area camera has, likewise.
         camera_band: The spectral band of the camera, where the bench file's model says so.
         simulated: What stands in for hardware, and injects its faults; None on real hardware.
     """
@@ -37,6 +38,7 @@ class Bench:
         monitor: Monitor | None = None,
         caps_by_lamps_off: bool = False,
         sensor_columns: int | None = None,
+        sensor_rows: int | None = None,
         camera_band: str = "",
         simulated: Simulated | None = None,
     ) -> None:
@@ -47,6 +49,7 @@ class Bench:
         self.shutter = shutter
         self.caps_by_lamps_off = caps_by_lamps_off
         self.sensor_columns = sensor_columns
+        self.sensor_rows = sensor_rows
         self.camera_band = camera_band
         self.simulated = simulated
         self._resources = ExitStack()

@@ -3,6 +3,7 @@
 from contextlib import ExitStack
 from pathlib import Path
 
+from calib.recording.header import CameraHeader
 from service.bench.all_off import all_off
 from service.bench.bench import Bench
 from service.bench.endings import Endings
@@ -55,6 +56,7 @@ def _open_devices(settings: BenchSettings, resources: ExitStack, ask: Ask | None
     resources.callback(shutter.close)
     camera = open_camera(settings.camera, simulated)
     resources.callback(camera.close)
+    sensor = _sensor(settings, simulated)
     return Bench(
         settings.id,
         camera=camera,
@@ -62,17 +64,18 @@ def _open_devices(settings: BenchSettings, resources: ExitStack, ask: Ask | None
         monitor=monitor,
         shutter=shutter,
         caps_by_lamps_off=settings.shutter.driver == "lamps_off",
-        sensor_columns=_sensor_columns(settings, simulated),
+        sensor_columns=None if sensor is None else sensor.columns,
+        sensor_rows=None if sensor is None else sensor.rows,
         camera_band=_camera_band(settings, simulated),
         simulated=simulated,
     )
 
 
-def _sensor_columns(settings: BenchSettings, simulated: Simulated | None) -> int | None:
-    """A camera without a transport has no feature that tells its width: its model does."""
+def _sensor(settings: BenchSettings, simulated: Simulated | None) -> CameraHeader | None:
+    """A camera without a transport has no feature that tells its size: its model does."""
     if simulated is None or settings.camera.driver != "mock":
         return None
-    return simulated.model().camera.columns
+    return simulated.model().camera
 
 
 def _camera_band(settings: BenchSettings, simulated: Simulated | None) -> str:

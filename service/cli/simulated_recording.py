@@ -5,14 +5,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.arrays import RawLines
 from calib.errors import InputError
 from calib.forward.model import Model
+from calib.forward.pattern import pixel_count
 from calib.forward.simulate import simulate
 from calib.recording.durable import refuse_existing
 from calib.recording.folder import export_folder
@@ -25,9 +24,12 @@ from calib.recording.writer import RecordingWriter
 from service.plan.expand import blocks as blocks_of
 from service.plan.header import recording_header
 from service.plan.model import Plan
+from service.plan.region import Region
 
 Scenes = Mapping[str, NDArray[np.float64]]
 Progress = Callable[[float], None]
+_PIXELS_AT_ONCE = 1 << 23
+"""An area sensor's frames are drawn together up to so many: what they share is worked out once."""
 
 
 def simulate_recording(
@@ -81,11 +83,9 @@ def _as_planned(model: Model, plan: Plan) -> Model:
             f" model's camera {camera.bit_depth}; change camera.pixel_format in the plan"
         )
         raise InputError(msg, code="plan-does-not-fit-model")
-    last = wanted.first_column + (wanted.columns or camera.columns - wanted.first_column)
-    if last > camera.columns:
+    if camera.rows is not None and (plan.frame_lines or 1) > 1:
         msg = (
-            f"the plan reads columns up to {last}, but the model's camera has {camera.columns}:"
-            " lower camera.columns or camera.first_column in the plan"
+            f"the plan's frame_lines is {plan.frame_lines}, but an area sensor's is 1; leave it out"
         )
         raise InputError(msg, code="plan-does-not-fit-model")
     settings = {
@@ -106,33 +106,36 @@ def _draw(
     progress: Progress | None,
 ) -> None:
     blocks = blocks_of(plan)
-    first = plan.camera.first_column
-    last = first + (plan.camera.columns or model.camera.columns - first)
+    region = Region.of(plan.camera, model.camera)
     scenes = _scenes(blocks, scenes_folder, model.camera.columns)
+    is_area = region.n_rows is not None
+    at_once = max(1, _PIXELS_AT_ONCE // pixel_count(model.camera))
     drawn = simulate(
         model,
         blocks,
         np.random.default_rng(seed),
-        frame_lines=plan.lines_per_frame,
+        frame_lines=at_once if is_area else plan.lines_per_frame,
         scenes=scenes,
         settle_s=plan.lamps.ramp_s + plan.settle.stable_for_s,
     )
-    header = _header(model, plan, last - first)
+    header = _header(model, plan, region)
+    frame_lines = 1 if is_area else plan.lines_per_frame
     with RecordingWriter.create(
-        out, header, plan.lines_per_frame, plan=plan.dumps(), scenes=scenes
+        out, header, frame_lines, plan=plan.dumps(), scenes=scenes
     ) as writer:
         for done, (block, frames) in enumerate(drawn, start=1):
             writer.begin_block(block)
             for dn in frames:
-                writer.append(cast("RawLines", np.ascontiguousarray(dn[:, first:last])))
+                for frame in region.cut(dn) if is_area else (region.cut(dn),):
+                    writer.append(frame)
             writer.end_block(block)
             if progress is not None:
                 progress(done / len(blocks))
 
 
-def _header(model: Model, plan: Plan, columns: int) -> RecordingHeader:
+def _header(model: Model, plan: Plan, region: Region) -> RecordingHeader:
     """Return the plan's header; what it leaves open is the model's."""
-    planned = recording_header(plan, columns=columns)
+    planned = recording_header(plan, columns=region.n_columns, rows=region.n_rows)
     known = model.camera.model_dump(exclude_none=True)
     stated = planned.camera.model_dump(exclude_defaults=True)
     camera = planned.camera.model_validate(

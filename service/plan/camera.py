@@ -21,10 +21,14 @@ class PlanCamera(PlanPart):
     """Settings are applied and read back; the rest goes into the recording's header."""
 
     line_period_us: float = Field(gt=0)
+    """From line to line; from frame to frame of an area camera, whose lines are its frames."""
     pixel_format: PixelFormat = "Mono12"
     columns: int | None = Field(default=None, gt=0, le=MOST_PIXELS)
     """How many are read out; None: all that the camera has."""
     first_column: int = Field(default=0, ge=0, lt=MOST_PIXELS)
+    rows: int | None = Field(default=None, gt=0, le=MOST_PIXELS)
+    """How many an area camera reads out; None: all that it has. A linescan camera has none."""
+    first_row: int = Field(default=0, ge=0, lt=MOST_PIXELS)
     gain_db: float = 0.0
     black_level_dn: float = 0.0
     model: str = ""

@@ -7,16 +7,17 @@ from service.plan.model import Plan
 _SIZE_UNKNOWN = "size unknown until the camera says how many columns it has"
 
 
-def describe(plan: Plan, *, columns: int | None = None) -> str:
+def describe(plan: Plan, *, columns: int | None = None, rows: int | None = None) -> str:
     """Return one line per step and a last one with time and size; nothing moves.
 
     Args:
         plan: What would be measured.
         columns: Of the camera, where the plan does not say.
+        rows: Of an area camera, where the plan does not say.
     """
     steps = expand(plan)
     width = columns or plan.camera.columns
-    ahead = estimate(plan, steps, columns=width or 1)
+    ahead = estimate(plan, steps, columns=width or 1, rows=rows or plan.camera.rows)
     size = f"{ahead.n_bytes / 1e6:.1f} MB" if width else _SIZE_UNKNOWN
     total = (
         f"{len(steps)} blocks, {sum(step.lines for step in steps)} lines: at least"

@@ -77,15 +77,21 @@ def _lamps_set(step: Step, previous: Step | None) -> int:
     return max(1, abs(ceil(step.burning) - ceil(burns or 0.0)))
 
 
-def estimate(plan: Plan, steps: Sequence[Step], *, columns: int) -> Estimate:
-    """Return the estimate for `steps` of `plan` on a camera that reads `columns` out."""
+def estimate(
+    plan: Plan, steps: Sequence[Step], *, columns: int, rows: int | None = None
+) -> Estimate:
+    """Return the estimate for `steps` of `plan` on a camera that reads `columns` out.
+
+    `rows` reads an area camera out, whose lines are its frames.
+    """
     previous = (None, *steps[:-1])
     lines = sum(step.lines for step in steps)
     bytes_per_code = 1 if plan.camera.bit_depth == 8 else 2
-    frames = lines // plan.lines_per_frame
+    frames = lines if rows else lines // plan.lines_per_frame
+    n_codes = lines * columns * (rows or 1)
     return Estimate(
         exposing_s=sum(exposing_s(plan, step) for step in steps),
         waiting_s=sum(waiting_s(plan, s, p) for s, p in zip(steps, previous, strict=True)),
         reading_s=sum(reading_s(plan, s, p) for s, p in zip(steps, previous, strict=True)),
-        n_bytes=lines * columns * bytes_per_code + frames * _FRAME_RECORD_BYTES + _FILE_BYTES,
+        n_bytes=n_codes * bytes_per_code + frames * _FRAME_RECORD_BYTES + _FILE_BYTES,
     )

@@ -11,6 +11,7 @@ def recording_header(
     plan: Plan,
     *,
     columns: int,
+    rows: int | None = None,
     blocks: tuple[Block, ...] = (),
     model: str = "",
     serial: str = "",
@@ -23,6 +24,7 @@ def recording_header(
     Args:
         plan: What is measured.
         columns: How many the camera really reads out.
+        rows: Likewise; None of a linescan camera.
         blocks: Those that are already known.
         model: What the camera says of itself; the plan's own text goes before it.
         serial: Likewise.
@@ -36,6 +38,7 @@ def recording_header(
             model=camera.model or model,
             serial=camera.serial or serial,
             columns=columns,
+            rows=rows,
             bit_depth=camera.bit_depth,
             gain_db=camera.gain_db,
             black_level_dn=camera.black_level_dn,

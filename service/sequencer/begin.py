@@ -1,5 +1,6 @@
 """Begin a run or go on with one: do plan, bench and recording fit together?"""
 
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -14,17 +15,21 @@ from service.sequencer.errors import RunRefusedError
 
 _WIDTHS = ("WidthMax", "SensorWidth", "Width")
 """Features that tell how many columns a camera has; the first that is there counts."""
+_HEIGHTS = ("HeightMax", "SensorHeight", "Height")
+"""Likewise for the rows of an area camera."""
 
 
 def camera_settings(plan: Plan, bench: Bench, exposure_us: float) -> CameraSettings:
     """Return what `plan` asks of the bench's camera for a block of `exposure_us`."""
-    wanted = plan.camera
+    wanted, n_rows = plan.camera, _rows(plan, bench)
     return CameraSettings(
         exposure_us=exposure_us,
         line_period_us=wanted.line_period_us,
-        frame_lines=plan.lines_per_frame,
+        frame_lines=plan.lines_per_frame if n_rows is None else plan.frame_lines or 1,
         n_columns=wanted.columns or _all_columns(bench) - wanted.first_column,
         first_column=wanted.first_column,
+        n_rows=n_rows,
+        first_row=wanted.first_row,
         pixel_format=wanted.pixel_format,
         gain_db=wanted.gain_db,
         black_level_dn=wanted.black_level_dn,
@@ -57,6 +62,7 @@ def new_recording(
     header = recording_header(
         plan,
         columns=used.n_columns,
+        rows=used.n_rows,
         model=camera.identity.model,
         serial=camera.identity.serial,
         band=bench.camera_band,
@@ -90,12 +96,29 @@ def _provenance(bench: Bench) -> dict[str, str]:
 def _all_columns(bench: Bench) -> int:
     if bench.sensor_columns is not None:
         return bench.sensor_columns
+    told = _told(bench, _WIDTHS)
+    if told is None:
+        msg = "this camera does not tell how many columns it has; put camera.columns into the plan"
+        raise RunRefusedError(msg, code="columns-unknown")
+    return told
+
+
+def _rows(plan: Plan, bench: Bench) -> int | None:
+    """Return how many rows an area camera is to read out, None of a linescan camera."""
+    rows = plan.camera.rows
+    if rows is None:
+        every = bench.sensor_rows
+        if every is None and bench.camera.features().get("DeviceScanType") == "Areascan":
+            every = _told(bench, _HEIGHTS)
+        rows = None if every is None else every - plan.camera.first_row
+    return rows
+
+
+def _told(bench: Bench, names: Sequence[str]) -> int | None:
+    """Return the first of these features that holds a number."""
     features = bench.camera.features()
-    for name in _WIDTHS:
-        if features.get(name, "").isdecimal():
-            return int(features[name])
-    msg = "this camera does not tell how many columns it has; put camera.columns into the plan"
-    raise RunRefusedError(msg, code="columns-unknown")
+    numbers = (features[name] for name in names if features.get(name, "").isdecimal())
+    return next(map(int, numbers), None)
 
 
 def _check_same(plan: Plan, bench: Bench, out: Path, used: CameraSettings) -> None:
@@ -113,9 +136,16 @@ def _check_same(plan: Plan, bench: Bench, out: Path, used: CameraSettings) -> No
     if camera.serial != serial:
         msg = f"{out} was begun with camera {camera.serial}, but camera {serial} is connected"
         raise RunRefusedError(msg, code="wrong-camera")
-    if camera.columns != used.n_columns or begun.frame_lines != used.frame_lines:
+    was = (camera.columns, camera.rows, begun.frame_lines)
+    if was != (used.n_columns, used.n_rows, used.frame_lines):
         msg = (
-            f"{out} has {camera.columns} columns and {begun.frame_lines} lines per frame, but the"
-            f" camera now gives {used.n_columns} and {used.frame_lines}"
+            f"{out} has {_size(*was)}, but the camera now gives"
+            f" {_size(used.n_columns, used.n_rows, used.frame_lines)}"
         )
         raise RunRefusedError(msg, code="wrong-camera")
+
+
+def _size(columns: int, rows: int | None, frame_lines: int) -> str:
+    if rows is not None:
+        return f"{columns} columns and {rows} rows"
+    return f"{columns} columns and {frame_lines} lines per frame"

@@ -48,6 +48,7 @@ class Exposure:
         self._max_lost = max_lost_percent / 100
         self._on_frame = on_frame
         self._on_columns = on_columns
+        self._is_area = writer.header.camera.rows is not None
         self.counts = Counts()
 
     def take(self, step: Step, settings: CameraSettings, before: ReadBack) -> ColumnLook:
@@ -81,7 +82,7 @@ class Exposure:
         mean_dn = column_mean(frame.dn)
         self._writer.append(frame.dn, _record(frame, before))
         self.counts.frames += 1
-        look.add(mean_dn)
+        look.add(frame.dn if self._is_area else mean_dn)
         if self._on_columns is not None:
             self._on_columns(LiveColumns(step.block.block, mean_dn))
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from calib.recording.header import Block
 
 BRIGHTEST_KEY = "brightest_column_dn"
-"""Under this key a recorded block keeps the mean of its brightest column."""
+"""Under this key a recorded block keeps the mean of its brightest column, or pixel of frames."""
 
 
 def predicted_dn(block: Block, before: Sequence[Block], *, limit_dn: float) -> float | None:

@@ -108,7 +108,7 @@ def _open_recording(
         if bench.simulated is not None:
             bench.simulated.draw_afresh()
         return resumed_recording(plan, bench, out, used)
-    check_room(out, estimate(plan, steps, columns=used.n_columns).n_bytes)
+    check_room(out, estimate(plan, steps, columns=used.n_columns, rows=used.n_rows).n_bytes)
     return new_recording(plan, bench, out, used, clock)
 
 

@@ -42,8 +42,8 @@ class CameraContract:
         used = camera.configure(wanted)
         assert used.exposure_us == pytest.approx(wanted.exposure_us, rel=0.01)
         assert used.line_period_us == pytest.approx(wanted.line_period_us, rel=0.01)
-        assert (used.frame_lines, used.n_columns, used.first_column, used.pixel_format) == (
-            wanted.frame_lines, wanted.n_columns, wanted.first_column, wanted.pixel_format,
+        assert (used.frame_shape, used.first_column, used.first_row, used.pixel_format) == (
+            wanted.frame_shape, wanted.first_column, wanted.first_row, wanted.pixel_format,
         )  # fmt: skip
 
     def test_exposure_and_line_period_change_in_either_order(
@@ -72,6 +72,9 @@ class CameraContract:
             ("n_columns", 10_000_000),
             ("first_column", 10_000_000),
             ("frame_lines", 0),
+            ("n_rows", 0),
+            ("n_rows", 10_000_000),
+            ("first_row", 10_000_000),
             ("gain_db", 1e6),
             ("pixel_format", "RGB8"),
         ],
@@ -92,7 +95,7 @@ class CameraContract:
         assert len(frames) == 5
         code = FORMATS[used.pixel_format]
         for frame in frames:
-            assert frame.dn.shape == (used.frame_lines, used.n_columns)
+            assert frame.dn.shape == used.frame_shape
             assert frame.dn.dtype == (np.uint8 if code.bits == 8 else np.uint16)
             assert int(frame.dn.max()) < 1 << code.bits
             assert frame.exposure_us == used.exposure_us
@@ -127,9 +130,11 @@ class CameraContract:
     def test_frames_follow_a_change_of_their_size(
         self, camera: LinescanCamera, wanted: CameraSettings
     ) -> None:
-        for frame_lines in (wanted.frame_lines, wanted.frame_lines // 2, wanted.frame_lines):
-            camera.configure(replace(wanted, frame_lines=frame_lines))
-            assert all(f.dn.shape[0] == frame_lines for f in whole(camera.frames(2)))
+        height = "frame_lines" if wanted.n_rows is None else "n_rows"
+        n = getattr(wanted, height)
+        for wanted_height in (n, n // 2, n):
+            camera.configure(replace(wanted, **{height: wanted_height}))
+            assert all(f.dn.shape[0] == wanted_height for f in whole(camera.frames(2)))
 
     def test_cancelled_before_it_starts_gives_nothing(
         self, camera: LinescanCamera, wanted: CameraSettings

@@ -74,7 +74,7 @@ def _tell_steps(plan: "Plan", answer: Answer) -> None:
     from service.plan.expand import expand  # noqa: PLC0415
 
     steps = expand(plan)
-    ahead = estimate(plan, steps, columns=plan.camera.columns or 1)
+    ahead = estimate(plan, steps, columns=plan.camera.columns or 1, rows=plan.camera.rows)
     content = {
         "steps": [
             {**step.block.model_dump(exclude_none=True), "burning": step.burning} for step in steps

@@ -11,7 +11,9 @@ from service.plan.model import Plan
 SETTLES = {"tolerance_percent": 2.0, "stable_for_s": 0.05, "interval_s": 0.01, "timeout_s": 5.0}
 
 
-def in_process(bench_id: str, world: Path | None = None, *, lamps: int = 3) -> BenchSettings:
+def in_process(
+    bench_id: str, world: Path | None = None, *, lamps: int = 3, model: str = "demo"
+) -> BenchSettings:
     """Return the settings of a bench without any transport, with a name of its own."""
     return BenchSettings.parse(
         {
@@ -20,7 +22,7 @@ def in_process(bench_id: str, world: Path | None = None, *, lamps: int = 3) -> B
             "light": {"driver": "mock", "tau_s": 0.01, "ramp_s": 0.004},
             "monitor": {"driver": "mock", "integration_s": 0.002},
             "shutter": {"driver": "mock"},
-            "simulation": {"model": "demo", "lamps": lamps, "world": world},
+            "simulation": {"model": model, "lamps": lamps, "world": world},
         }
     )
 
