@@ -9,6 +9,7 @@ from calib.errors import DarkflatError, InputError
 from calib.kernels.line_sums import LineSums
 from calib.kernels.sums import line_sums
 from calib.recording.block_statistics import BlockStatistics, RecordingStatistics
+from calib.recording.gathered import gathered
 from calib.recording.header import Block, CameraHeader
 from calib.recording.protocol import Recording
 from calib.recording.tone import Tone
@@ -46,8 +47,8 @@ def column_statistics(
             stretch of consecutive lines) and removed; clip counts are those of the raw codes.
         held_out_every: Every so many lines of a block, one goes to `held_out` and not to `fit`;
             0 holds none out. A block with fewer lines has no part in `held_out`.
-        progress: Called after each frame.
-        cancelled: Asked before each frame; True ends in CancelledError.
+        progress: Called after each frame; of an area sensor, after some.
+        cancelled: Asked before each frame, likewise; True ends in CancelledError.
     """
     if held_out_every < 0 or held_out_every == 1:
         raise InputError(
@@ -61,7 +62,8 @@ def column_statistics(
     held_out: list[BlockStatistics] = []
     for number, block in enumerate(blocks):
         sums = _BlockSums(recording.header.camera, tone, held_out_every)
-        for dn in recording.frames(block.block):
+        frames = recording.frames(block.block)
+        for dn in gathered(frames) if recording.header.camera.rows else frames:
             if cancelled():
                 raise CancelledError(f"stopped in block {block.block}", code="cancelled")
             sums.add(dn)

@@ -6,6 +6,7 @@ Gaussian.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf
 from typing import ClassVar
 
@@ -47,14 +48,22 @@ class Spot(Effect):
         return signal * self.profile(signal.shape[1:])
 
     def profile(self, sample: SampleShape) -> Pixels:
-        """Return the share of the radiance that each pixel sees, (*sample,)."""
-        shape = (sample,) if isinstance(sample, int) else sample
-        centre = (self.centre_row, self.centre_column)[-len(shape) :]
-        squared = np.zeros(())
-        for n, at in zip(shape, centre, strict=True):
-            along = np.arange(n) - ((n - 1) / 2 if at is None else at)
-            squared = np.add.outer(squared, along**2)
-        beyond = np.sqrt(squared) - self.diameter_columns / 2
-        if self.edge_std_columns == 0:
-            return np.asarray(beyond <= 0, np.float64)
-        return np.asarray(erfc(beyond / (np.sqrt(2.0) * self.edge_std_columns)) / 2)
+        """Return the share of the radiance that each pixel sees, (*sample,), read-only."""
+        return _drawn(self, (sample,) if isinstance(sample, int) else sample)
+
+
+@lru_cache(maxsize=8)
+def _drawn(spot: Spot, shape: tuple[int, ...]) -> Pixels:
+    """Return the profile."""
+    centre = (spot.centre_row, spot.centre_column)[-len(shape) :]
+    squared = np.zeros(())
+    for n, at in zip(shape, centre, strict=True):
+        along = np.arange(n) - ((n - 1) / 2 if at is None else at)
+        squared = np.add.outer(squared, along**2)
+    beyond = np.sqrt(squared) - spot.diameter_columns / 2
+    if spot.edge_std_columns == 0:
+        profile = np.asarray(beyond <= 0, np.float64)
+    else:
+        profile = np.asarray(erfc(beyond / (np.sqrt(2.0) * spot.edge_std_columns)) / 2)
+    profile.flags.writeable = False
+    return profile

@@ -5,6 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from calib.errors import InputError, NotDeterminedError
+from calib.recording.gathered import gathered
 from calib.recording.header import CameraHeader, RecordingHeader
 from calib.recording.open import open_recording
 from calib.recording.statistics import CancelledError, column_statistics
@@ -61,6 +62,37 @@ def test_an_area_sensors_pixels_are_flattened(tmp_path: Path) -> None:
     fit = column_statistics(open_recording(path)).fit[1]
     dn = codes("001", 20, header.camera).reshape(20, 24)
     assert np.allclose(fit.mean_dn, dn.mean(axis=0), rtol=1e-14)
+
+
+@pytest.mark.parametrize("every", [0, 7])
+def test_area_frames_that_come_one_by_one_give_what_they_give_together(
+    tmp_path: Path, every: int
+) -> None:
+    camera = CameraHeader(columns=6, rows=4, bit_depth=12)
+    dn = np.random.default_rng(1).integers(0, 4096, (100, 4, 6), dtype=np.uint16)
+    found = []
+    for frame_lines in (1, 100):
+        path = tmp_path / f"{frame_lines}.h5"
+        with RecordingWriter.create(path, RecordingHeader(camera=camera), frame_lines) as writer:
+            record(writer, blocks()[0].model_copy(update={"lines": 100}), dn, frame_lines)
+        found.append(column_statistics(open_recording(path), held_out_every=every))
+    one_by_one, together = found
+    assert one_by_one.fit[0].n_lines == (100 if every == 0 else 86)
+    for name in ("fit", "held_out"):
+        for a, b in zip(getattr(one_by_one, name), getattr(together, name), strict=True):
+            assert (a.n_lines, a.block) == (b.n_lines, b.block)
+            for of in ("mean_dn", "variance_dn2", "n_at_zero", "n_at_full_scale"):
+                assert np.array_equal(getattr(a, of), getattr(b, of))
+
+
+def test_frames_are_gathered_in_order_and_not_without_end() -> None:
+    ten_mb = np.zeros((1, 1000, 5000), np.uint16)
+    small = [np.full((2, 2, 2), k, np.uint8) for k in range(40)]
+    assert [len(stack) for stack in gathered([ten_mb] * 13)] == [6, 6, 1]
+    stacks = list(gathered(small))
+    assert [len(stack) for stack in stacks] == [32, 32, 16]
+    assert np.array_equal(np.concatenate(stacks), np.concatenate(small))
+    assert list(gathered([])) == []
 
 
 def test_progress_rises_to_one_and_cancelling_stops(tmp_path: Path) -> None:
