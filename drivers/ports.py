@@ -56,7 +56,8 @@ class CameraSettings:
     @property
     def frame_shape(self) -> tuple[int, int]:
         """(frame_lines, n_columns), or (n_rows, n_columns) of an area camera."""
-        return (self.n_rows or self.frame_lines, self.n_columns)
+        height = self.frame_lines if self.n_rows is None else self.n_rows
+        return (height, self.n_columns)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Area frames that come one by one, several at a time: what each call costs is then shared."""
 
 from collections.abc import Iterable, Iterator
+from typing import cast
 
 import numpy as np
 
@@ -28,4 +29,4 @@ def gathered(frames: Iterable[RawLines]) -> Iterator[RawLines]:
 
 
 def _together(frames: list[RawLines]) -> RawLines:
-    return frames[0] if len(frames) == 1 else np.concatenate(frames)
+    return frames[0] if len(frames) == 1 else cast("RawLines", np.concatenate(frames))

@@ -11,7 +11,7 @@ class ArrivedFrame:
     """Pixels and times of one frame.
 
     Attributes:
-        dn: (frame_lines, n_columns), our own copy.
+        dn: Of the settings' `frame_shape`, our own copy.
         frame_id: The camera's own count.
         device_timestamp_ns: The camera's clock.
         host_timestamp_ns: This machine's clock when the frame began to arrive, Unix time.

@@ -1,6 +1,7 @@
 """One acquisition's stream: its buffers, and what comes out of them."""
 
 from dataclasses import dataclass
+from math import prod
 
 from drivers.aravis.arrived_frame import ArrivedFrame
 from drivers.aravis.frame_ids import FrameIds
@@ -93,13 +94,13 @@ class FrameStream:
     def _checked_payload(self) -> int:
         """Return the bytes of a frame; a buffer of fewer would come back as a truncated success."""
         settings = self._settings
-        needed = FORMATS[settings.pixel_format].n_bytes(settings.frame_lines * settings.n_columns)
+        needed = FORMATS[settings.pixel_format].n_bytes(prod(settings.frame_shape))
         with speaking(self._device, "read the payload size"):
             payload = self._camera.get_payload()
         if payload < needed:
             raise DeviceError(
                 f"{self._device}: says a frame takes {payload} bytes, but {settings.n_columns} x "
-                f"{settings.frame_lines} pixels of {settings.pixel_format} take {needed}",
+                f"{settings.frame_shape[0]} pixels of {settings.pixel_format} take {needed}",
                 device=self._device,
                 code="payload-too-small",
             )
@@ -167,7 +168,7 @@ class FrameStream:
     def _frame(self, buffer: GiBuffer, frame_id: int) -> ArrivedFrame | LostFrame:
         code = BY_PFNC.get(buffer.get_image_pixel_format())
         shape = (buffer.get_image_height(), buffer.get_image_width())
-        wanted = (self._settings.frame_lines, self._settings.n_columns)
+        wanted = self._settings.frame_shape
         if code is None or code.name != self._settings.pixel_format or shape != wanted:
             name = code.name if code else "an unknown format"
             return LostFrame(frame_id, f"wrong-image: {shape[1]} x {shape[0]} of {name}")

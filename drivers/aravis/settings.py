@@ -1,10 +1,12 @@
 """Our settings and the camera's features: written in an order that works, then all read back."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drivers.aravis import feature_names as names
 from drivers.aravis.features import Features
 from drivers.aravis.level import Level
+from drivers.aravis.scan_kind import AREASCAN, LINESCAN, ScanKind
 from drivers.pixel_formats import FORMATS
 from drivers.ports import CameraSettings, PixelFormat
 
@@ -38,12 +40,7 @@ class SettingsWriter:
         Raises:
             SettingRefusedError: Names the feature, what was wanted and what was got.
         """
-        if wanted.n_rows is not None or wanted.first_row:
-            raise self.features.refused(
-                f"n_rows = {wanted.n_rows}, first_row = {wanted.first_row}: it is driven as a "
-                "linescan camera, which has none",
-                "setting-out-of-range",
-            )
+        self._check_kind(wanted)
         self._quieten()
         self._write_image(wanted)
         self._write_times(wanted)
@@ -56,18 +53,44 @@ class SettingsWriter:
     def read(self) -> CameraSettings:
         """Return the camera's settings as they are."""
         read = self.features.number
-        line_rate_hz = read(self.features.required(names.LINE_RATE_HZ))
-        offset = self.features.first_of(names.FIRST_COLUMN)
+        rate_hz = read(self.features.required(self._kind.rate_hz))
+        height = int(read(self.features.required(names.ROWS)))
+        is_area = self._kind is AREASCAN
         return CameraSettings(
             exposure_us=read(self.features.required(names.EXPOSURE_US)),
-            line_period_us=1e6 / line_rate_hz,
-            frame_lines=int(read(self.features.required(names.FRAME_LINES))),
+            line_period_us=1e6 / rate_hz,
+            frame_lines=1 if is_area else height,
             n_columns=int(read(self.features.required(names.COLUMNS))),
-            first_column=int(read(offset)) if offset else 0,
+            first_column=self._offset(names.FIRST_COLUMN),
+            n_rows=height if is_area else None,
+            first_row=self._offset(names.FIRST_ROW) if is_area else 0,
             pixel_format=self._pixel_format(),
             gain_db=self._gain.read(self.features),
             black_level_dn=self._black_level.read(self.features),
         )
+
+    @property
+    def _kind(self) -> ScanKind:
+        told = self.features.first_of(names.SCAN_KIND)
+        return AREASCAN if told and self.features.text(told) == "Areascan" else LINESCAN
+
+    def _check_kind(self, wanted: CameraSettings) -> None:
+        """Rows, and single exposures as frames, are what an area camera alone is asked for."""
+        is_area = self._kind is AREASCAN
+        as_area = wanted.n_rows is not None and wanted.frame_lines == 1
+        as_lines = wanted.n_rows is None and wanted.first_row == 0
+        if as_area if is_area else as_lines:
+            return
+        has = "an area camera: give n_rows, and frame_lines = 1" if is_area else "a linescan camera"
+        raise self.features.refused(
+            f"n_rows = {wanted.n_rows}, first_row = {wanted.first_row}, frame_lines ="
+            f" {wanted.frame_lines}: it is {has}",
+            "setting-out-of-range",
+        )
+
+    def _offset(self, offset_names: Sequence[str]) -> int:
+        offset = self.features.first_of(offset_names)
+        return int(self.features.number(offset)) if offset else 0
 
     @property
     def _gain(self) -> Level:
@@ -100,33 +123,42 @@ class SettingsWriter:
             self.features.write_entry_where_there("TriggerMode", "Off")
         self.features.write_entry_where_there("AcquisitionMode", "Continuous")
         self.features.write_entry_where_there("ExposureMode", "Timed")
-        self.features.write_switch_where_there("AcquisitionLineRateEnable", True)
+        self.features.write_switch_where_there(self._kind.rate_switch, True)
 
     def _write_image(self, wanted: CameraSettings) -> None:
-        write = self.features.write_number
         self.features.write_entry(self.features.required(names.PIXEL_FORMAT), wanted.pixel_format)
-        offset = self.features.first_of(names.FIRST_COLUMN)
-        if offset:  # to the edge first: the width may grow only as far as the offset lets it
+        self._write_side(names.COLUMNS, wanted.n_columns, names.FIRST_COLUMN, wanted.first_column)
+        height = wanted.frame_shape[0]
+        if self._kind is AREASCAN:
+            self._write_side(names.ROWS, height, names.FIRST_ROW, wanted.first_row)
+        else:
+            self.features.write_number(self.features.required(names.ROWS), height)
+
+    def _write_side(
+        self, size_names: Sequence[str], size: int, offset_names: Sequence[str], first: int
+    ) -> None:
+        write = self.features.write_number
+        offset = self.features.first_of(offset_names)
+        if offset:  # to the edge first: the size may grow only as far as the offset lets it
             write(offset, self.features.bounds(offset).low)
-        write(self.features.required(names.COLUMNS), wanted.n_columns)
+        write(self.features.required(size_names), size)
         if offset:
-            write(offset, wanted.first_column)
-        elif wanted.first_column:
+            write(offset, first)
+        elif first:
             raise self.features.refused(
-                f"first_column = {wanted.first_column}: it has no OffsetX", "feature-unknown"
+                f"it is to begin at {first}, but has no {offset_names[0]}", "feature-unknown"
             )
-        write(self.features.required(names.FRAME_LINES), wanted.frame_lines)
 
     def _write_times(self, wanted: CameraSettings) -> None:
-        """Write exposure and line rate so that the exposure fits into the period at any moment."""
+        """Write exposure and rate so that the exposure fits into the period at any moment."""
         exposure = self.features.required(names.EXPOSURE_US)
-        line_rate = self.features.required(names.LINE_RATE_HZ)
+        rate = self.features.required(self._kind.rate_hz)
         if not wanted.line_period_us > 0:
             raise self.features.refused(
                 f"line_period_us = {wanted.line_period_us:g} is not above 0", "setting-out-of-range"
             )
-        now_period_us = 1e6 / self.features.number(line_rate)
-        steps = [(exposure, wanted.exposure_us), (line_rate, 1e6 / wanted.line_period_us)]
+        now_period_us = 1e6 / self.features.number(rate)
+        steps = [(exposure, wanted.exposure_us), (rate, 1e6 / wanted.line_period_us)]
         if wanted.exposure_us > now_period_us:
             steps.reverse()
         for feature, value in steps:
@@ -135,10 +167,10 @@ class SettingsWriter:
     def _check_nothing_moved(self, wanted: CameraSettings, used: CameraSettings) -> None:
         """A later setting may move an earlier one; each was checked only when it was written."""
         checks = (
-            (names.FRAME_LINES, wanted.frame_lines, used.frame_lines),
+            (names.ROWS, wanted.frame_shape[0], used.frame_shape[0]),
             (names.COLUMNS, wanted.n_columns, used.n_columns),
             (names.EXPOSURE_US, wanted.exposure_us, used.exposure_us),
-            (names.LINE_RATE_HZ, 1e6 / wanted.line_period_us, 1e6 / used.line_period_us),
+            (self._kind.rate_hz, 1e6 / wanted.line_period_us, 1e6 / used.line_period_us),
         )
         for feature, want, got in checks:
             name = self.features.required(feature)

@@ -1,4 +1,4 @@
-"""Runs a simulated GigE Vision linescan camera until its standard input ends.
+"""Runs a simulated GigE Vision camera, of lines or frames, until its standard input ends.
 
 Prints `ready` once it answers; then each line on standard input is a fault, answered with `ok`:
 `lose RATIO`, `stall`, `resume`, `afresh` (noise that no seed repeats).
@@ -42,7 +42,7 @@ def main() -> int:
 def _serve(arguments: argparse.Namespace, stop: threading.Event) -> None:
     model = Model.named(arguments.model)
     world = World(arguments.world)
-    limits = CameraLimits(model.camera.columns, model.camera.bit_depth)
+    limits = CameraLimits(model.camera.columns, model.camera.bit_depth, model.camera.rows)
     with held(arguments.interface, arguments.wait), tempfile.TemporaryDirectory() as folder:
         description = Path(folder) / "linescan.xml"
         description.write_text(described(limits, arguments.dialect), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The simulated camera's GenICam description: a linescan camera laid over its registers.
+"""The simulated camera's GenICam description: a linescan or area camera over its registers.
 
 Source: GenICam Standard Features Naming Convention (SFNC) 2.x for the names; the older dialect
 uses those of SFNC 1.x, which many cameras in the field still speak.
@@ -42,7 +42,7 @@ def described(limits: CameraLimits, dialect: Dialect = "sfnc2") -> str:
         },
     )
     groups = {
-        "DeviceControl": _device(root),
+        "DeviceControl": _device(root, limits),
         "ImageFormatControl": _image(root, limits),
         "AcquisitionControl": _acquisition(root, limits, dialect),
         "AnalogControl": _analog(root, limits, dialect),
@@ -55,7 +55,7 @@ def described(limits: CameraLimits, dialect: Dialect = "sfnc2") -> str:
     return '<?xml version="1.0" encoding="utf-8"?>\n' + tostring(root, encoding="unicode")
 
 
-def _device(root: Element) -> tuple[str, ...]:
+def _device(root: Element, limits: CameraLimits) -> tuple[str, ...]:
     texts = {
         "DeviceVendorName": VENDOR_NAME,
         "DeviceModelName": MODEL_NAME,
@@ -65,7 +65,7 @@ def _device(root: Element) -> tuple[str, ...]:
     }
     for name, at in texts.items():
         nodes.text(root, name, at)
-    nodes.only_choice(root, "DeviceScanType", "Linescan")
+    nodes.only_choice(root, "DeviceScanType", "Linescan" if limits.rows is None else "Areascan")
     nodes.only_choice(root, "DeviceStreamChannelEndianness", "Little")
     nodes.measured(root, "DeviceTemperature", Register.TEMPERATURE_C, "C")
     return (*texts, "DeviceScanType", "DeviceStreamChannelEndianness", "DeviceTemperature")
@@ -74,43 +74,58 @@ def _device(root: Element) -> tuple[str, ...]:
 def _image(root: Element, limits: CameraLimits) -> tuple[str, ...]:
     step = limits.column_step
     nodes.constant(root, "SensorWidth", limits.columns)
-    nodes.constant(root, "SensorHeight", 1)
-    nodes.formula(root, "IntSwissKnife", "WidthMax", f"{limits.columns} - X", X="OffsetXReg")
+    nodes.constant(root, "WidthMax", limits.columns)  # by SFNC, whatever the offset is
+    nodes.formula(root, "IntSwissKnife", "WidthLeft", f"{limits.columns} - X", X="OffsetXReg")
     nodes.formula(root, "IntSwissKnife", "OffsetXMax", f"{limits.columns} - W", W="WidthReg")
     nodes.integer(
-        root, "Width", Register.WIDTH, low=step, high="WidthMax", step=step, lockable=True
+        root, "Width", Register.WIDTH, low=step, high="WidthLeft", step=step, lockable=True
     )
     nodes.integer(
         root, "OffsetX", Register.OFFSET_X, low=0, high="OffsetXMax", step=step, lockable=True
     )
-    lines = limits.frame_lines
-    nodes.integer(
-        root, "Height", Register.HEIGHT, low=int(lines.low), high=int(lines.high), lockable=True
-    )
+    heights = _height(root, limits)
     codes = {str(name): FORMATS[name].pfnc for name in limits.formats}
     nodes.choice(root, "PixelFormat", Register.PIXEL_FORMAT, codes, lockable=True)
-    return ("SensorWidth", "SensorHeight", "WidthMax", "Width", "Height", "OffsetX", "PixelFormat")
+    return ("SensorWidth", "WidthMax", "Width", "OffsetX", *heights, "PixelFormat")
+
+
+def _height(root: Element, limits: CameraLimits) -> tuple[str, ...]:
+    """Add what tells and sets the height: lines of a frame, or an area camera's rows."""
+    nodes.constant(root, "SensorHeight", limits.rows or 1)
+    if limits.rows is None:
+        highest = int(limits.frame_lines.high)
+        nodes.integer(root, "Height", Register.HEIGHT, low=1, high=highest, lockable=True)
+        return ("SensorHeight", "Height")
+    nodes.constant(root, "HeightMax", limits.rows)
+    nodes.formula(root, "IntSwissKnife", "HeightLeft", f"{limits.rows} - Y", Y="OffsetYReg")
+    nodes.formula(root, "IntSwissKnife", "OffsetYMax", f"{limits.rows} - H", H="HeightReg")
+    nodes.integer(root, "Height", Register.HEIGHT, low=1, high="HeightLeft", lockable=True)
+    nodes.integer(root, "OffsetY", Register.OFFSET_Y, low=0, high="OffsetYMax", lockable=True)
+    return ("SensorHeight", "HeightMax", "Height", "OffsetY")
 
 
 def _acquisition(root: Element, limits: CameraLimits, dialect: Dialect) -> tuple[str, ...]:
     suffix = "" if dialect == "sfnc2" else "Abs"
     exposure, line_rate = f"ExposureTime{suffix}", f"AcquisitionLineRate{suffix}"
-    nodes.formula(root, "SwissKnife", "ExposureMax", "P / 100.0", P=f"{line_rate}Reg")
-    nodes.formula(root, "SwissKnife", "LineRateMax", "100000000.0 / E", E=f"{exposure}Reg")
+    frame_rate = "AcquisitionFrameRate"
+    rate = line_rate if limits.rows is None else frame_rate
+    nodes.formula(root, "SwissKnife", "ExposureMax", "P / 100.0", P=f"{rate}Reg")
+    nodes.formula(root, "SwissKnife", "RateMax", "100000000.0 / E", E=f"{exposure}Reg")
     nodes.scaled(
         root, exposure, Register.EXPOSURE_10NS, unit="us", register_low=1,
         to_register="ROUND(FROM * 100, 0)", from_register="TO / 100.0",
         low=limits.exposure_us.low, high="ExposureMax",
     )  # fmt: skip
     nodes.scaled(
-        root, line_rate, Register.LINE_PERIOD_10NS, unit="Hz", register_low=1,
+        root, rate, Register.LINE_PERIOD_10NS, unit="Hz", register_low=1,
         to_register="ROUND(100000000 / FROM, 0)", from_register="100000000.0 / TO",
-        low=1e6 / limits.line_period_us.high, high="LineRateMax",
+        low=1e6 / limits.line_period_us.high, high="RateMax",
     )  # fmt: skip
-    nodes.formula(
-        root, "SwissKnife", "AcquisitionFrameRate", "100000000.0 / (P * H)",
-        P=f"{line_rate}Reg", H="HeightReg",
-    )  # fmt: skip
+    if limits.rows is None:
+        nodes.formula(
+            root, "SwissKnife", frame_rate, "100000000.0 / (P * H)",
+            P=f"{rate}Reg", H="HeightReg",
+        )  # fmt: skip
     nodes.only_choice(root, "ExposureMode", "Timed")
     modes = {"Continuous": 1, "SingleFrame": 2, "MultiFrame": 3}
     nodes.choice(root, "AcquisitionMode", Register.ACQUISITION_MODE, modes)
@@ -121,8 +136,9 @@ def _acquisition(root: Element, limits: CameraLimits, dialect: Dialect) -> tuple
     nodes.choice(root, "TriggerMode", Register.TRIGGER_MODE, {"Off": 0, "On": 1})
     nodes.choice(root, "TriggerSource", Register.TRIGGER_SOURCE, {"Line0": 0, "Software": 1})
     return (
-        "AcquisitionMode", "AcquisitionStart", "AcquisitionStop", "AcquisitionFrameRate",
-        line_rate, "ExposureMode", exposure, "TriggerSelector", "TriggerMode", "TriggerSource",
+        "AcquisitionMode", "AcquisitionStart", "AcquisitionStop",
+        *dict.fromkeys((frame_rate, rate)), "ExposureMode", exposure,
+        "TriggerSelector", "TriggerMode", "TriggerSource",
     )  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from drivers.ports import CameraSettings, PixelFormat
 
 
 def put(dn: RawLines, pixel_format: PixelFormat, into: NDArray[np.uint8]) -> None:
-    """Put codes, (n_lines, n_columns), into the bytes of a frame, as the format lays them out.
+    """Put a frame's codes into the bytes of a frame, as the format lays them out.
 
     Raises:
         ValueError: The frame is too small for them.
@@ -47,12 +47,15 @@ class Picture:
     def settings(self) -> CameraSettings:
         """Return what the client has written into the registers."""
         read = self._camera.read
+        is_area = self._sensor.model.camera.rows is not None
         return CameraSettings(
             exposure_us=read(Register.EXPOSURE_10NS) / 100,
             line_period_us=read(Register.LINE_PERIOD_10NS) / 100,
-            frame_lines=read(Register.HEIGHT),
+            frame_lines=1 if is_area else read(Register.HEIGHT),
             n_columns=read(Register.WIDTH),
             first_column=read(Register.OFFSET_X),
+            n_rows=read(Register.HEIGHT) if is_area else None,
+            first_row=read(Register.OFFSET_Y) if is_area else 0,
             pixel_format=BY_PFNC[read(Register.PIXEL_FORMAT)].name,
             gain_db=read(Register.GAIN_CENTIBEL) / 100,
             black_level_dn=read(Register.BLACK_LEVEL_CENTIDN) / 100,

@@ -21,6 +21,7 @@ class Register(IntEnum):
     PIXEL_FORMAT = 0x128
     ACQUISITION_MODE = 0x12C
     OFFSET_X = 0x130
+    OFFSET_Y = 0x134
     FRAME_PERIOD_US = 0x138
     """What the fake camera paces its frames by."""
     TRIGGER_MODE = 0x300
@@ -32,6 +33,7 @@ class Register(IntEnum):
     TEMPERATURE_C = 0x2010
     """A float."""
     LINE_PERIOD_10NS = 0x2030
+    """Of an area camera, from frame to frame."""
     BLACK_LEVEL_CENTIDN = 0x2050
     """In 0.01 DN of the ADC."""
     LOCKED = 0x2060

@@ -80,8 +80,9 @@ class Server:
         values = {
             Register.SENSOR_WIDTH: header.columns,
             Register.WIDTH: header.columns,
-            Register.HEIGHT: 64,
+            Register.HEIGHT: header.rows or 64,
             Register.OFFSET_X: 0,
+            Register.OFFSET_Y: 0,
             Register.PIXEL_FORMAT: FORMATS[smallest_for(header.bit_depth)].pfnc,
             Register.LINE_PERIOD_10NS: round(period_us * 100),
             Register.EXPOSURE_10NS: round(period_us * 50),

@@ -43,9 +43,10 @@ def test_line_clock_never_runs_back() -> None:
     assert clock.next_frame(0.0, 10, 100.0) >= ends
 
 
+@pytest.mark.parametrize("rows", [None, 48])
 @pytest.mark.parametrize("columns", [512, 100, 513])
-def test_description_is_xml_whose_references_all_exist(columns: int) -> None:
-    root = ET.fromstring(described(CameraLimits(columns, 12)))  # noqa: S314  our own
+def test_description_is_xml_whose_references_all_exist(columns: int, rows: int | None) -> None:
+    root = ET.fromstring(described(CameraLimits(columns, 12, rows)))  # noqa: S314  our own
     names = {node.get("Name") for node in root.iter() if node.get("Name")}
     used = {
         node.text

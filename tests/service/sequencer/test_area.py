@@ -16,6 +16,7 @@ from calib.recording.statistics import column_statistics
 from service.bench import open_bench
 from service.cli.simulated_recording import simulate_recording
 from service.plan.describe import describe
+from service.sequencer.begin import camera_settings
 from service.sequencer.errors import RunRefusedError
 from service.sequencer.look_ahead import BRIGHTEST_KEY
 from service.sequencer.run import run_plan
@@ -131,6 +132,23 @@ def test_a_run_does_not_go_on_with_other_rows(bench, out):
     bench.sensor_rows = ROWS - 8
     with pytest.raises(RunRefusedError, match=r"64 columns and 48 rows.* 64 columns and 40 rows"):
         run_plan(bench, area_plan(), out, resume=True)
+
+
+SIZES = {
+    "an area camera tells its rows": ({"DeviceScanType": "Areascan"}, 48 - 8),
+    "a linescan camera has none": ({"DeviceScanType": "Linescan"}, None),
+}
+
+
+@pytest.mark.parametrize(("told", "rows"), SIZES.values(), ids=SIZES)
+def test_rows_are_those_that_the_camera_tells(bench, monkeypatch, told, rows):
+    features = {"WidthMax": "64", "HeightMax": "48", **told}
+    monkeypatch.setattr(bench.camera, "features", lambda: features)
+    bench.sensor_columns = bench.sensor_rows = None
+    plan = area_plan(camera={"first_row": 8} if rows else {})
+    wanted = camera_settings(plan, bench, 50.0)
+    assert (wanted.n_columns, wanted.n_rows) == (64, rows)
+    assert wanted.frame_lines == (1 if rows else 5)
 
 
 def test_simulate_draws_the_frames_that_a_bench_records(tmp_path):
