@@ -28,7 +28,7 @@ from service.plan.region import Region
 
 Scenes = Mapping[str, NDArray[np.float64]]
 Progress = Callable[[float], None]
-_PIXELS_AT_ONCE = 1 << 23
+_PIXELS_AT_ONCE = 1 << 24
 """An area sensor's frames are drawn together up to so many: what they share is worked out once."""
 
 
