@@ -27,14 +27,14 @@ from calib.forward.effects.illumination import Illumination
 from calib.forward.model import Model
 from calib.kernels.noise import draw_codes
 from calib.radiometric.report import style
-from calib.recording.block_statistics import BlockStatistics
 from calib.recording.file_recording import FileRecording
-from calib.recording.statistics import column_statistics
 from calib.transfer.estimate import Estimate
 from calib.transfer.source_radiometry.diverging_source import photons_through_aperture
 from calib.transfer.source_radiometry.photons_from_electrons import photons_from_electrons
 from calib.transfer.source_radiometry.spot_electrons import SpotElectrons, spot_photoelectrons
 from calib.transfer.source_radiometry.yielding_2018 import LED555L
+from calib.transfer.two_exposures.exposure_pair import ExposurePair
+from calib.transfer.two_exposures.two_exposures import two_exposure_moments
 from service.bench import BenchSettings, open_bench
 from service.plan.model import Plan
 from service.sequencer.run import run_plan
@@ -116,14 +116,14 @@ def one_run(rng: Generator, *, read_noise_e: float = 3.0) -> Run:
     true_photons = float(photons_through_aperture(**drawn)[0])
     model = pinhole_model(true_photons, rng, read_noise_e=read_noise_e)
     with TemporaryDirectory() as folder:
-        first, second = measured(model, Path(folder), seed=int(rng.integers(1 << 31)))
+        pair = measured(model, Path(folder), seed=int(rng.integers(1 << 31)))
     lit, spot, ground = regions()
-    found = spot_photoelectrons(first, second, spot=spot, ground=ground)
+    found = spot_photoelectrons(pair, spot=spot, ground=ground)
     data_sheet = Estimate(rng.normal(EFFICIENCY, EFFICIENCY_STD), EFFICIENCY_STD, "e-/photon")
     light, dark = expected_electrons(model)
-    by_pixel, decided = pixel_electrons(first, second)
+    by_pixel, decided = pixel_electrons(pair)
     return Run(
-        frame=first.mean_dn.reshape(SIDE, SIDE),
+        frame=pair.first.mean_dn.reshape(SIDE, SIDE),
         true_photons=true_photons,
         true_electrons=float(light.sum()),
         found=found,
@@ -134,19 +134,16 @@ def one_run(rng: Generator, *, read_noise_e: float = 3.0) -> Run:
     )
 
 
-def pixel_electrons(
-    first: BlockStatistics, second: BlockStatistics
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def pixel_electrons(pair: ExposurePair) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return SANUC's Equation 18 with 17 put in, (D2 - D1)^2 / (V2 - V1), and where it is decided.
 
     That is where V2 - V1 is at least its own standard error, of Gaussian noise.
     """
-    squared_dn2 = (second.mean_dn - first.mean_dn) ** 2
-    rise_dn2 = second.variance_dn2 - first.variance_dn2
+    rise_dn2 = pair.variance_difference_dn2
     unknown = np.full_like(rise_dn2, np.nan)
-    electrons = np.divide(squared_dn2, rise_dn2, out=unknown, where=rise_dn2 != 0)
-    error_dn2 = np.hypot(second.variance_dn2, first.variance_dn2) * np.sqrt(2 / (FRAMES - 1))
-    return electrons, rise_dn2 >= error_dn2
+    electrons = np.divide(pair.difference_dn**2, rise_dn2, out=unknown, where=rise_dn2 != 0)
+    both_dn2 = np.hypot(pair.first.variance_dn2, pair.second.variance_dn2)
+    return electrons, rise_dn2 >= both_dn2 * np.sqrt(2 / (FRAMES - 1))
 
 
 def pinhole_model(photons: float, rng: Generator, *, read_noise_e: float) -> Model:
@@ -165,8 +162,8 @@ def pinhole_model(photons: float, rng: Generator, *, read_noise_e: float) -> Mod
     return replace(preset, camera=camera, effects=effects).with_effect(lamp)
 
 
-def measured(model: Model, folder: Path, *, seed: int) -> tuple[BlockStatistics, BlockStatistics]:
-    """Take both exposures on an in-process bench; return their pixels' statistics."""
+def measured(model: Model, folder: Path, *, seed: int) -> ExposurePair:
+    """Take both exposures on an in-process bench; return their pixels' moments."""
     model.save(folder / "camera.toml")
     bench = {
         "id": f"led-pinhole-{os.getpid()}",
@@ -193,8 +190,7 @@ def measured(model: Model, folder: Path, *, seed: int) -> tuple[BlockStatistics,
     }
     with open_bench(BenchSettings.parse(bench)) as opened:
         run_plan(opened, Plan.parse(plan), folder / "led.h5")
-    first, second = column_statistics(FileRecording(folder / "led.h5")).fit
-    return first, second
+    return two_exposure_moments(FileRecording(folder / "led.h5")).pair
 
 
 def regions() -> tuple[NDArray[np.bool_], ...]:

@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 
 from calib.errors import InputError, NotDeterminedError
-from calib.recording.block_statistics import BlockStatistics
 from calib.transfer.estimate import Estimate
 from calib.transfer.source_radiometry.region_sums import Mask, RegionSums
-from calib.transfer.source_radiometry.sum_noise import SumNoise
+from calib.transfer.two_exposures.exposure_pair import ExposurePair
 
 _SEEN_SIGMA = 5.0
 
@@ -47,91 +46,74 @@ class SpotElectrons:
         }
 
 
-def spot_photoelectrons(
-    first: BlockStatistics, second: BlockStatistics, *, spot: Mask, ground: Mask
-) -> SpotElectrons:
+def spot_photoelectrons(pair: ExposurePair, *, spot: Mask, ground: Mask) -> SpotElectrons:
     """Return the photo-electrons that light made within `spot` during the first exposure.
 
-    G = R / D with R = sum (V2 - V1) and D = sum (D2 - D1) over the spot; f = t1 / (t2 - t1), 1 for
-    a doubled exposure. The charge is f (D - n_spot mean_ground (D2 - D1)) / G: the sum of
+    G = R / D with R = sum (V2 - V1) and D = sum (D2 - D1) over the spot; f = 1 / (r - 1), 1 for a
+    doubled exposure. The charge is f (D - n_spot mean_ground (D2 - D1)) / G: the sum of
     (D1 - B) / G with the bias B = D1 - f (D2 - D1), in which offsets cancel pixel by pixel, less
     the ground's dark charge. A system gain that differs among pixels moves G by the square of its
     relative scatter, 1e-4 for 1 %. Noise is taken to be independent between pixels and frames.
 
     Args:
-        first: Statistics of the shorter exposure; three frames or more.
-        second: Of the longer one, of the same scene.
-        spot: Pixels that take all of the spot's light in, (n_pixels,), flat as the statistics are.
+        pair: Moments of both exposures, from `two_exposure_moments(recording).pair`.
+        spot: Pixels that take all of the spot's light in, (n_pixels,), a frame's row by row.
         ground: Pixels without light, likewise; none of the spot's.
 
     Raises:
-        InputError: `bad-region`, `bad-exposures`, `too-few-frames`.
+        InputError: `bad-region`, `bad-exposures`.
         NotDeterminedError: `clipped`, or `no-light` where the spot does not stand out.
     """
-    _check_regions(first, spot, ground)
-    _check_blocks(first, second, spot | ground)
-    lit, dark = (RegionSums.of(first, second, region) for region in (spot, ground))
-    if lit.step_dn <= 0:
-        raise _no_light()
-    noise, dark_noise = (SumNoise.of(first, second, region, lit) for region in (spot, ground))
+    _check(pair, spot, ground)
+    first_gain = pair.at(spot).ratio_of_sums
+    lit, dark = (RegionSums.of(pair, region, first_gain) for region in (spot, ground))
     share = lit.n_pixels / dark.n_pixels
-    light_dn, ground_var = lit.step_dn - share * dark.step_dn, share**2 * dark_noise.step
-    seen = light_dn / sqrt(noise.step + ground_var), lit.rise_dn2 / sqrt(noise.rise)
-    if min(seen) < _SEEN_SIGMA:
-        raise _no_light()
-    gain, gain_relative = lit.gain, sqrt(noise.of_gain(lit))
-    charge = lit.per_step * light_dn / gain
-    charge_std = charge * sqrt(noise.of_charge(lit, light_dn, ground_var))
-    dn_to_ground = lit.per_step / (gain * dark.n_pixels)
-    ground_e = dn_to_ground * dark.step_dn
-    ground_std = hypot(dn_to_ground * sqrt(dark_noise.step), ground_e * gain_relative)
+    light_dn, ground_var = lit.step_dn - share * dark.step_dn, share**2 * dark.step_variance
+    _check_seen(lit, light_dn, lit.step_variance + ground_var)
+    gain, per_step = lit.rise_dn2 / lit.step_dn, 1.0 / (pair.ratio - 1.0)
+    charge, to_ground = per_step * light_dn / gain, per_step / (gain * dark.n_pixels)
+    of_step = (pair.ratio_std * per_step) ** 2
+    of_charge = lit.charge_relative_variance(light_dn, ground_var) + of_step
+    ground_e, of_ground = to_ground * dark.step_dn, lit.gain_relative_variance + of_step
+    ground_std = hypot(to_ground * sqrt(dark.step_variance), ground_e * sqrt(of_ground))
     return SpotElectrons(
-        system_gain=Estimate(gain, gain * gain_relative, "DN/e-"),
-        photoelectrons=Estimate(charge, charge_std, "e-"),
+        system_gain=Estimate(gain, gain * sqrt(lit.gain_relative_variance), "DN/e-"),
+        photoelectrons=Estimate(charge, charge * sqrt(of_charge), "e-"),
         ground=Estimate(ground_e, ground_std, "e-"),
         n_pixels=lit.n_pixels,
     )
 
 
-def _no_light() -> NotDeterminedError:
-    return NotDeterminedError(
-        f"the spot's mean or variance does not rise by {_SEEN_SIGMA:g} standard errors from the "
-        "first exposure to the second: give more light, or more frames",
-        code="no-light",
-    )
+def _check_seen(lit: RegionSums, light_dn: float, light_variance: float) -> None:
+    """Raise NotDeterminedError unless the spot's mean and variance rise beyond doubt."""
+    mean_rises = light_dn > _SEEN_SIGMA * sqrt(light_variance) and lit.step_dn > 0
+    if not (mean_rises and lit.rise_dn2 > _SEEN_SIGMA * sqrt(lit.rise_variance)):
+        raise NotDeterminedError(
+            f"the spot's mean or variance does not rise by {_SEEN_SIGMA:g} standard errors from "
+            "the first exposure to the second: give more light, or more frames",
+            code="no-light",
+        )
 
 
-def _check_regions(first: BlockStatistics, spot: Mask, ground: Mask) -> None:
-    shape = first.mean_dn.shape
+def _check(pair: ExposurePair, spot: Mask, ground: Mask) -> None:
     for name, region in (("spot", spot), ("ground", ground)):
-        if region.shape != shape or region.dtype != np.bool_ or not region.any():
+        if region.shape != (pair.n_pixels,) or region.dtype != np.bool_ or not region.any():
             raise InputError(
                 f"the region {name} is {region.dtype} of shape {region.shape}: give a mask of "
-                f"{shape[0]} pixels, some of them True",
+                f"{pair.n_pixels} pixels, some of them True",
                 code="bad-region",
             )
     if (spot & ground).any():
         raise InputError("spot and ground share pixels: part them", code="bad-region")
-
-
-def _check_blocks(first: BlockStatistics, second: BlockStatistics, used: Mask) -> None:
-    t1, t2 = first.block.exposure_us, second.block.exposure_us
-    if not t2 > t1 or second.mean_dn.shape != first.mean_dn.shape:
+    if not pair.ratio > 1:
         raise InputError(
-            f"the exposures are {t1:g} and {t2:g} us: give the shorter one first, then the longer "
-            "one of the same camera",
+            f"the second exposure is {pair.ratio:g} times the first: give the longer one second",
             code="bad-exposures",
         )
-    if min(first.n_lines, second.n_lines) < 3:
-        raise InputError(
-            f"{first.n_lines} and {second.n_lines} frames: give 3 or more of each exposure",
-            code="too-few-frames",
+    clipped = int(np.count_nonzero((spot | ground) & ~pair.unclipped))
+    if clipped:
+        raise NotDeterminedError(
+            f"{clipped} pixels of spot and ground reach an end of the codes: shorten the "
+            "exposures, or take those pixels out",
+            code="clipped",
         )
-    for block in (first, second):
-        clipped = (block.n_at_zero + block.n_at_full_scale)[used] > 0
-        if clipped.any():
-            raise NotDeterminedError(
-                f"block {block.block.block}: {int(clipped.sum())} pixels of spot and ground reach "
-                "an end of the codes: shorten the exposures, or take those pixels out",
-                code="clipped",
-            )
