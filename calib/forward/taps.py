@@ -37,6 +37,27 @@ def tap_of_column(layout: str, n_columns: int) -> NDArray[np.intp]:
     return columns % taps if layout == "odd_even" else columns * taps // n_columns
 
 
+def taps_of_camera(camera: CameraHeader) -> NDArray[np.intp]:
+    """Return the tap, from 0, that reads each pixel of what was read out, (*sample,).
+
+    Taps are counted on the whole sensor, of which a camera may read out a part.
+
+    >>> camera = CameraHeader(
+    ...     columns=4, first_column=1, bit_depth=8, taps=2, tap_layout="halves", sensor_columns=8
+    ... )
+    >>> taps_of_camera(camera)
+    array([0, 0, 0, 1])
+    """
+    layout = camera.tap_layout if camera.taps > 1 else "single"
+    columns = slice(camera.first_column, camera.first_column + camera.columns)
+    n_columns = max(camera.sensor_columns or 0, columns.stop)
+    if camera.rows is None:
+        return tap_of_column(layout, n_columns)[columns]
+    rows = slice(camera.first_row, camera.first_row + camera.rows)
+    n_rows = max(camera.sensor_rows or 0, rows.stop)
+    return tap_of_pixel(layout, (n_rows, n_columns))[rows, columns]
+
+
 def columns_of_tap(layout: str, n_columns: int, tap: int) -> NDArray[np.intp]:
     """Return the columns that `tap` reads, ascending.
 

@@ -26,6 +26,12 @@ class CameraHeader(_Header):
     columns: int = Field(gt=0, le=MOST_PIXELS)
     rows: int | None = Field(default=None, gt=0, le=MOST_PIXELS)
     """Area sensors only."""
+    first_column: int = Field(default=0, ge=0, lt=MOST_PIXELS)
+    """Where the columns that were read out begin on the sensor."""
+    first_row: int = Field(default=0, ge=0, lt=MOST_PIXELS)
+    sensor_columns: int | None = Field(default=None, gt=0, le=MOST_PIXELS)
+    """Of the whole sensor; None where no more is known of it than was read out."""
+    sensor_rows: int | None = Field(default=None, gt=0, le=MOST_PIXELS)
     bit_depth: int = Field(ge=8, le=16)
     """Codes run 0 .. 2**bit_depth - 1."""
     gain_db: float = 0.0
@@ -44,6 +50,20 @@ class CameraHeader(_Header):
     def full_scale_dn(self) -> int:
         """The highest code."""
         return (1 << self.bit_depth) - 1
+
+    @property
+    def region(self) -> str:
+        """Which columns of the sensor, and which rows: first and, excluded, last.
+
+        >>> CameraHeader(columns=6144, first_column=1024, bit_depth=8).region
+        '1024:7168'
+        >>> CameraHeader(columns=320, rows=256, bit_depth=14).region
+        '0:320,0:256'
+        """
+        along = f"{self.first_column}:{self.first_column + self.columns}"
+        if self.rows is None:
+            return along
+        return f"{along},{self.first_row}:{self.first_row + self.rows}"
 
 
 class SourceHeader(_Header):

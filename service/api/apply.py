@@ -13,6 +13,7 @@ from calib.errors import InputError
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.correction.apply import Correction
 from calib.radiometric.correction.apply_checks import Validity
+from calib.recording.header import MOST_PIXELS
 from service.api.dependencies import SettingsDep, StoreDep
 from service.api.openapi import problems
 from service.api.radiance_stream import radiance_npz
@@ -39,6 +40,9 @@ class Taken(BaseModel):
     gain: float | None = Field(default=None, description="dB")
     black_level: float | None = Field(default=None, description="DN")
     bit_depth: int | None = Field(default=None, ge=8, le=16)
+    first_column: int | None = Field(
+        default=None, ge=0, lt=MOST_PIXELS, description="Where the lines begin on the sensor."
+    )
     temperature: float | None = Field(default=None, description="Of the sensor, °C.")
     force: bool = Field(default=False, description="Although the set does not match; flags tell.")
 
@@ -131,12 +135,13 @@ def _stated(taken: Taken) -> dict[str, object]:
         "gain_db": taken.gain,
         "black_level_dn": taken.black_level,
         "bit_depth": taken.bit_depth,
+        "first_column": taken.first_column,
     }
     return {"started_at": None} | {key: value for key, value in said.items() if value is not None}
 
 
 def _assumed(coefficients: CoefficientSet, taken: Taken) -> tuple[str, ...]:
-    names = ("serial", "band", "gain", "black_level", "bit_depth")
+    names = ("serial", "band", "gain", "black_level", "bit_depth", "first_column")
     unstated = [name for name in names if getattr(taken, name) is None]
     if not unstated:
         return ()

@@ -74,6 +74,7 @@ def lookup_set(
     serial: str,
     bit_depth: Annotated[int, Query(ge=8, le=16)],
     band: str = "",
+    region: Annotated[str | None, Query(description="As sets state it, such as 0:6144.")] = None,
     gain: Annotated[float, Query(allow_inf_nan=False, description="dB")] = 0.0,
     at: Annotated[AwareDatetime | None, Query(description="Now, where not given.")] = None,
 ) -> SetAnswer:
@@ -83,6 +84,7 @@ def lookup_set(
         band=band,
         gain_db=gain,
         bit_depth=bit_depth,
+        region=region,
         at=datetime.now(UTC) if at is None else at,
     )
     return SetAnswer.model_validate(record)

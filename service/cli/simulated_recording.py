@@ -135,7 +135,15 @@ def _draw(
 
 def _header(model: Model, plan: Plan, region: Region) -> RecordingHeader:
     """Return the plan's header; what it leaves open is the model's."""
-    planned = recording_header(plan, columns=region.n_columns, rows=region.n_rows)
+    planned = recording_header(
+        plan,
+        columns=region.n_columns,
+        rows=region.n_rows,
+        first_column=region.first_column,
+        first_row=region.first_row,
+        sensor_columns=model.camera.columns,
+        sensor_rows=model.camera.rows,
+    )
     known = model.camera.model_dump(exclude_none=True)
     stated = planned.camera.model_dump(exclude_defaults=True)
     camera = planned.camera.model_validate(

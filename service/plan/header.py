@@ -12,6 +12,10 @@ def recording_header(
     *,
     columns: int,
     rows: int | None = None,
+    first_column: int = 0,
+    first_row: int = 0,
+    sensor_columns: int | None = None,
+    sensor_rows: int | None = None,
     blocks: tuple[Block, ...] = (),
     model: str = "",
     serial: str = "",
@@ -25,6 +29,10 @@ def recording_header(
         plan: What is measured.
         columns: How many the camera really reads out.
         rows: Likewise; None of a linescan camera.
+        first_column: Where they begin on the sensor, read back.
+        first_row: Likewise.
+        sensor_columns: Of the whole sensor; None where nobody knows.
+        sensor_rows: Likewise.
         blocks: Those that are already known.
         model: What the camera says of itself; the plan's own text goes before it.
         serial: Likewise.
@@ -39,6 +47,10 @@ def recording_header(
             serial=camera.serial or serial,
             columns=columns,
             rows=rows,
+            first_column=first_column,
+            first_row=first_row,
+            sensor_columns=sensor_columns,
+            sensor_rows=sensor_rows,
             bit_depth=camera.bit_depth,
             gain_db=camera.gain_db,
             black_level_dn=camera.black_level_dn,

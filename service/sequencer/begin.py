@@ -63,6 +63,10 @@ def new_recording(
         plan,
         columns=used.n_columns,
         rows=used.n_rows,
+        first_column=used.first_column,
+        first_row=used.first_row,
+        sensor_columns=_known_columns(bench),
+        sensor_rows=None if used.n_rows is None else _known_rows(bench),
         model=camera.identity.model,
         serial=camera.identity.serial,
         band=bench.camera_band,
@@ -94,22 +98,27 @@ def _provenance(bench: Bench) -> dict[str, str]:
 
 
 def _all_columns(bench: Bench) -> int:
-    if bench.sensor_columns is not None:
-        return bench.sensor_columns
-    told = _told(bench, _WIDTHS)
-    if told is None:
+    known = _known_columns(bench)
+    if known is None:
         msg = "this camera does not tell how many columns it has; put camera.columns into the plan"
         raise RunRefusedError(msg, code="columns-unknown")
-    return told
+    return known
+
+
+def _known_columns(bench: Bench) -> int | None:
+    return _told(bench, _WIDTHS) if bench.sensor_columns is None else bench.sensor_columns
+
+
+def _known_rows(bench: Bench) -> int | None:
+    return _told(bench, _HEIGHTS) if bench.sensor_rows is None else bench.sensor_rows
 
 
 def _rows(plan: Plan, bench: Bench) -> int | None:
     """Return how many rows an area camera is to read out, None of a linescan camera."""
     rows = plan.camera.rows
     if rows is None:
-        every = bench.sensor_rows
-        if every is None and bench.camera.features().get("DeviceScanType") == "Areascan":
-            every = _told(bench, _HEIGHTS)
+        is_area = bench.camera.features().get("DeviceScanType") == "Areascan"
+        every = _known_rows(bench) if is_area else bench.sensor_rows
         rows = None if every is None else every - plan.camera.first_row
     return rows
 

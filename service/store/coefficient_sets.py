@@ -1,9 +1,9 @@
 """Coefficient sets and their lives: draft, verified, certified, superseded, revoked.
 
-Overlaps. For one camera (serial, band, gain, bit depth) at most one set holds at any time. A
-certification whose range overlaps another's is refused, unless it names that one as superseded:
-then the older holds up to the newer one's start and never again after it, so that what was
-taken before is still corrected by what held then.
+Overlaps. For one camera (serial, region, band, gain, bit depth) at most one set holds at any
+time. A certification whose range overlaps another's is refused, unless it names that one as
+superseded: then the older holds up to the newer one's start and never again after it, so that what
+was taken before is still corrected by what held then.
 """
 
 from collections.abc import Iterable
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from sqlalchemy import Engine, select
 from sqlalchemy.orm import Session
 
+from calib.errors import InputError
 from service.store.engine import reading_session, writing_session
 from service.store.errors import NotInStoreError
 from service.store.in_force import check_range, holding, same_setting, standing_in_the_way
@@ -85,20 +86,39 @@ class CoefficientSets:
             return page(session, query, SetRow.sequence, set_record, limit=limit, before=before)
 
     def lookup(
-        self, *, serial: str, band: str, gain_db: float, bit_depth: int, at: datetime
+        self,
+        *,
+        serial: str,
+        band: str,
+        gain_db: float,
+        bit_depth: int,
+        at: datetime,
+        region: str | None = None,
     ) -> SetRecord:
         """Return the set that is in force for this camera setting at `at`.
 
+        Args:
+            serial: Of the camera.
+            band: Likewise.
+            gain_db: Likewise.
+            bit_depth: Likewise.
+            at: Time, aware.
+            region: `CameraHeader.region`; None where all certified sets are of one region.
+
         Raises:
             NotInStoreError: None is.
-            InputError: `naive-time`.
+            InputError: `naive-time`, `several-regions`.
         """
         at = aware(at, "at")
-        query = holding(at).where(*same_setting(serial, band, gain_db, bit_depth))
+        query = holding(at).where(*same_setting(serial, band, gain_db, bit_depth, region))
         with reading_session(self._engine) as session:
-            row = session.scalars(query).unique().one_or_none()
-            if row is not None:
-                return set_record(row)
+            found = [set_record(row) for row in session.scalars(query).unique()]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            regions = " and ".join(sorted(each.region for each in found))
+            msg = f"certified sets of camera {serial!r} hold for the regions {regions}; say which"
+            raise InputError(msg, code="several-regions")
         msg = (
             f"no certified coefficient set holds for camera {serial!r}, band {band!r},"
             f" {gain_db:g} dB, {bit_depth} bits at {at.isoformat()}; certify one, or list them all"
@@ -166,6 +186,7 @@ def _new_row(coefficients: "CoefficientSet", by: str) -> SetRow:
         gain_db=camera.gain_db,
         bit_depth=camera.bit_depth,
         columns=camera.columns,
+        region=camera.region,
         radiance_unit=coefficients.radiance_unit,
         recording_digest=coefficients.provenance.recording_digest,
         added_at=datetime.now(UTC),

@@ -21,10 +21,12 @@ _GAIN_TOLERANCE_DB = 1e-6
 
 
 def same_setting(
-    serial: str, band: str, gain_db: float, bit_depth: int
+    serial: str, band: str, gain_db: float, bit_depth: int, region: str | None = None
 ) -> tuple[ColumnElement[bool], ...]:
-    """Return the conditions on a set for this camera at this setting."""
+    """Return the conditions on a set for this camera at this setting; None is any region."""
+    of_region = () if region is None else (SetRow.region == region,)
     return (
+        *of_region,
         SetRow.camera_serial == serial,
         SetRow.band == band,
         func.abs(SetRow.gain_db - gain_db) < _GAIN_TOLERANCE_DB,
@@ -54,7 +56,7 @@ def standing_in_the_way(session: Session, row: SetRow, wanted: Certification) ->
         .where(
             SetRow.state.in_(_HOLDING),
             SetRow.id != row.id,
-            *same_setting(row.camera_serial, row.band, row.gain_db, row.bit_depth),
+            *same_setting(row.camera_serial, row.band, row.gain_db, row.bit_depth, row.region),
         )
     )
     if wanted.valid_until is not None:

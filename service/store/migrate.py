@@ -7,7 +7,7 @@ from sqlalchemy import Connection, Engine, inspect, text
 from service.store.engine import store_errors, writing
 from service.store.errors import StoreError
 
-HEAD = "0001"
+HEAD = "0002"
 """The newest revision in `migrations/versions`."""
 
 MIGRATIONS = Path(__file__).parent / "migrations"

@@ -55,6 +55,7 @@ class SetRecord:
     gain_db: float
     bit_depth: int
     columns: int
+    region: str
     radiance_unit: str
     recording_digest: str
     added_at: datetime

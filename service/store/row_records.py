@@ -25,6 +25,7 @@ def set_record(row: SetRow) -> SetRecord:
         gain_db=row.gain_db,
         bit_depth=row.bit_depth,
         columns=row.columns,
+        region=row.region,
         radiance_unit=row.radiance_unit,
         recording_digest=row.recording_digest,
         added_at=row.added_at,

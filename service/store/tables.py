@@ -43,6 +43,7 @@ class SetRow(Base):
     gain_db: Mapped[float]
     bit_depth: Mapped[int]
     columns: Mapped[int]
+    region: Mapped[str] = mapped_column(server_default="")
     radiance_unit: Mapped[str]
     recording_digest: Mapped[str] = mapped_column(index=True)
     added_at: Mapped[datetime]

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from math import isclose
 
 from calib.errors import InputError
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
@@ -9,7 +10,7 @@ from calib.radiometric.coefficients.provenance import Range
 from calib.radiometric.correction.flags import Flag
 from calib.recording.header import CameraHeader
 
-_MUST_MATCH = ("serial", "band", "gain_db", "black_level_dn", "bit_depth")
+_MUST_MATCH = ("serial", "band", "region", "gain_db", "black_level_dn", "bit_depth")
 TEMPERATURE_MARGIN_C = 1.0
 """A sensor's thermometer and its place on the board do not agree better than this."""
 
@@ -42,10 +43,17 @@ def mismatches(coefficients: CoefficientSet, camera: CameraHeader) -> list[Findi
     findings = []
     for name in _MUST_MATCH:
         calibrated, used = getattr(coefficients.camera, name), getattr(camera, name)
-        if calibrated != used:
+        if not _same(calibrated, used):
             text = f"{name} is {calibrated!r} in the set and {used!r} in the lines"
             findings.append(Finding(Flag.MISMATCHED, text, refuse=True))
     return findings
+
+
+def _same(calibrated: str | float, used: str | float) -> bool:
+    """Tell whether two settings are one; cameras step by more than spellings of a number differ."""
+    if isinstance(calibrated, str) or isinstance(used, str):
+        return calibrated == used
+    return isclose(calibrated, used, rel_tol=0.0, abs_tol=1e-6)
 
 
 def validity_findings(validity: Validity | None, at: datetime | None) -> list[Finding]:

@@ -3,9 +3,8 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from calib.forward.taps import tap_of_column
+from calib.forward.taps import taps_of_camera
 from calib.radiometric.estimation.assemble import LineVariances
 from calib.radiometric.estimation.block_table import BlockTable
 from calib.radiometric.estimation.choices import Choices
@@ -17,7 +16,7 @@ from calib.radiometric.estimation.radiance_table import LevelGroups
 from calib.radiometric.estimation.scale import RadianceScale, radiance_scale
 from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
 from calib.radiometric.estimation.vignette import ProfileFit, fit_profile, tap_contrasts
-from calib.recording.header import CameraHeader, RecordingHeader
+from calib.recording.header import RecordingHeader
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ def find_parts(
     )
     variances = _variances(estimate, flats, shared)
     profile = fit_profile(
-        fit.slope, variances.slope, tap_contrasts(_taps(header.camera)), choices.order
+        fit.slope, variances.slope, tap_contrasts(taps_of_camera(header.camera)), choices.order
     )
     vignette = normalise(profile, variances.slope, source.nonuniformity_relative or 0.0)
     if choices.relative:
@@ -81,9 +80,3 @@ def _variances(estimate: LineEstimate, flats: BlockTable, shared: CommonMode) ->
         inflate * lines.slope_variance + slope,
         inflate * lines.covariance + covariance,
     )
-
-
-def _taps(camera: CameraHeader) -> NDArray[np.intp]:
-    """Return the tap of each column."""
-    layout = camera.tap_layout if camera.taps > 1 else "single"
-    return tap_of_column(layout, camera.columns)

@@ -44,6 +44,7 @@ class SetAnswer(_Answer):
     gain_db: float
     bit_depth: int
     columns: int
+    region: str = Field(description="First and, excluded, last column that were read out.")
     radiance_unit: str
     recording_digest: str
     added_at: datetime

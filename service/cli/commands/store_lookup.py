@@ -14,6 +14,9 @@ def lookup(
     band: Annotated[str, typer.Option()] = "",
     gain_db: Annotated[float, typer.Option("--gain", help="Of the camera, dB")] = 0.0,
     bit_depth: Annotated[int, typer.Option(min=8, max=16)],
+    region: Annotated[
+        str | None, typer.Option(help="Columns read out, such as 0:6144; where there are several")
+    ] = None,
     at: Annotated[datetime | None, typer.Option(help="UTC; now where not given")] = None,
     json: Json = None,
 ) -> None:
@@ -28,6 +31,7 @@ def lookup(
                 band=band,
                 gain_db=gain_db,
                 bit_depth=bit_depth,
+                region=region,
                 at=utc(at) or datetime.now(UTC),
             )
             path = store.sets.files.path(record.id)

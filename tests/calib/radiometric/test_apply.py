@@ -114,6 +114,18 @@ def test_another_camera_is_refused_unless_forced_and_then_the_output_says_so(cha
     assert (forced.lines(flat(1000)).flags & Flag.MISMATCHED).all()
 
 
+def test_other_columns_of_the_same_sensor_are_refused():
+    camera = SET.camera.model_copy(update={"first_column": 64})
+    with pytest.raises(InputError, match=f"region is '0:{SET.n_columns}' in the set") as error:
+        Correction(SET, 200.0, camera=camera)
+    assert error.value.code == "set-mismatch"
+
+
+def test_two_spellings_of_a_gain_are_one():
+    camera = SET.camera.model_copy(update={"gain_db": SET.camera.gain_db + 1e-9})
+    assert Correction(SET, 200.0, camera=camera).notes == ()
+
+
 @pytest.mark.parametrize(
     ("at", "validity", "refused"),
     [

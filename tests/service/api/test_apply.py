@@ -17,7 +17,7 @@ from tests.service.store.a_store import a_set, certified, day, verified
 NPY = {"Content-Type": "application/x-npy"}
 TAKEN: dict[str, Any] = {
     "exposure_us": 200, "at": "2026-06-01T00:00:00Z", "serial": "B0001", "band": "NIR",
-    "gain": 0, "black_level": 0, "bit_depth": 12,
+    "gain": 0, "black_level": 0, "bit_depth": 12, "first_column": 0,
 }  # fmt: skip
 
 

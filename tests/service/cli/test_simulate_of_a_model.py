@@ -56,3 +56,23 @@ def test_a_set_from_a_sweep_fits_simulated_frames_of_the_same_model(
     assert (camera.serial, camera.band) == ("D0001", "NIR")
     other = open_recording(drawn).header.camera
     assert all(getattr(camera, name) == getattr(other, name) for name in _MUST_MATCH)
+
+
+def test_a_set_of_one_half_of_a_sensor_is_refused_for_the_other_half(
+    run: Run, tmp_path: Path
+) -> None:
+    for first in (0, 512):
+        plan = tmp_path / f"{first}.toml"
+        plan.write_text(
+            OPEN.replace("columns = 256", "columns = 512").replace(
+                "first_column = 400", f"first_column = {first}"
+            )
+            + SETTLE
+        )
+        ran = run("simulate", "demo", plan, "--out", tmp_path / f"{first}.h5")
+        assert ran.status == 0, ran.stderr
+    ran = run("calibrate", tmp_path / "0.h5", "--out", tmp_path / "set.h5")
+    assert ran.status == 0, ran.stderr
+    ran = run("apply", tmp_path / "set.h5", tmp_path / "512.h5", "--out", tmp_path / "out.h5")
+    assert ran.status == 1
+    assert "region is '0:512' in the set and '512:1024' in the lines" in ran.stderr

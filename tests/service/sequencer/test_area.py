@@ -90,6 +90,7 @@ def test_a_plans_region_is_read_out(bench, out):
     run_plan(bench, area_plan(camera=camera, lines=50), out)
     frames = np.concatenate(list(FileRecording(out).frames("003"))).astype(np.float64)
     assert frames.shape == (50, 16, 24)
+    assert FileRecording(out).header.camera.region == "24:48,16:32"
     expected = expected_dn(100.0)[16:32, 24:48]
     z = (frames.mean(0) - expected) / (frames.std(0, ddof=1) / np.sqrt(50))
     assert abs(z.mean()) < 5 / np.sqrt(z.size)

@@ -119,6 +119,14 @@ def test_all_columns_are_taken_where_the_plan_names_none(bench, out):
     assert FileRecording(out).header.camera.columns == Model.preset("demo").camera.columns
 
 
+def test_the_region_is_recorded_with_the_sensor_that_it_is_a_part_of(bench, out):
+    wanted = {"line_period_us": 1000.0, "first_column": 32, "columns": 64}
+    run_plan(bench, short_plan(camera=wanted), out)
+    camera = FileRecording(out).header.camera
+    assert camera.region == "32:96"
+    assert camera.sensor_columns == Model.preset("demo").camera.columns
+
+
 class CountedLight:
     """A light that counts how often it was asked for its state from outside."""
 

@@ -123,6 +123,17 @@ def test_the_migrations_make_the_schema_that_the_tables_describe(store: Store) -
     assert ScriptDirectory(str(MIGRATIONS)).get_current_head() == HEAD
 
 
+def test_sets_of_an_older_store_keep_the_region_that_they_were_taken_for(tmp_path: Path) -> None:
+    with open_at(tmp_path) as store:
+        kept = certified(store, a_set(), day(1))
+        with writing_session(store._engine) as session:
+            session.execute(text("ALTER TABLE coefficient_sets DROP COLUMN region"))
+            session.execute(text("UPDATE alembic_version SET version_num = '0001'"))
+    with open_at(tmp_path) as store:
+        assert store.sets.get(kept.id) == kept
+        assert kept.region == "0:32"
+
+
 def test_two_processes_may_migrate_at_once(tmp_path: Path) -> None:
     engines = [open_engine(f"sqlite:///{tmp_path / 'store.sqlite3'}") for _ in range(2)]
     with ThreadPoolExecutor(2) as pool:

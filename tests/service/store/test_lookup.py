@@ -57,6 +57,20 @@ def test_neither_another_camera_nor_a_touching_range_overlaps(store: Store) -> N
     certified(store, a_set(34.0, band="red"), day(1))
     certified(store, a_set(35.0, gain_db=6.0), day(1))
     certified(store, a_set(36.0, bit_depth=10), day(1))
+    certified(store, a_set(37.0, first_column=32), day(1))
+
+
+def test_sets_of_two_regions_of_a_sensor_are_told_apart(store: Store) -> None:
+    left = certified(store, a_set(30.0), day(1))
+    assert store.sets.lookup(**SETTING, at=day(2)).id == left.id
+    right = certified(store, a_set(31.0, first_column=32), day(1))
+    with pytest.raises(InputError, match="0:32 and 32:64") as refused:
+        store.sets.lookup(**SETTING, at=day(2))
+    assert refused.value.code == "several-regions"
+    assert store.sets.lookup(**SETTING, at=day(2), region="0:32").id == left.id
+    assert store.sets.lookup(**SETTING, at=day(2), region="32:64").id == right.id
+    with pytest.raises(NotInStoreError):
+        store.sets.lookup(**SETTING, at=day(2), region="0:64")
 
 
 def test_what_was_taken_before_a_set_was_superseded_is_still_corrected_by_it(store: Store) -> None:
