@@ -15,11 +15,14 @@ def save_set(coefficients: CoefficientSet, out: Path) -> None:
     coefficients.save(out)
 
 
-def check_folder_of(report: Path | None) -> None:
-    """Say before the long work, and not after it, that a report has no folder to go to."""
-    if report is not None and (report.is_dir() or not report.parent.is_dir()):
+def check_report(report: Path | None) -> None:
+    """Say before the long work, and not after it, that a report has no place to go to."""
+    if report is None:
+        return
+    if report.is_dir() or not report.parent.is_dir():
         msg = f"the report cannot be written to {report}: name a file in a folder that is there"
         raise InputError(msg, code="cannot-write")
+    refuse_existing(report)
 
 
 def _id_of(path: Path) -> str | None:

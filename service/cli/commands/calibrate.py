@@ -1,5 +1,7 @@
 """`darkflat calibrate`: from a recording to a coefficient set."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
 
     from calib.radiometric.calibration import Calibration
     from calib.recording.protocol import Recording
+    from calib.recording.tone import Tone
 
 
 def calibrate(
@@ -81,11 +84,11 @@ def calibrate(
         from calib.recording.tone import Tone  # noqa: PLC0415
         from service.cli.about import about  # noqa: PLC0415
         from service.cli.radiance_arguments import level_radiances  # noqa: PLC0415
-        from service.cli.set_output import check_folder_of, save_set  # noqa: PLC0415
+        from service.cli.set_output import check_report, save_set  # noqa: PLC0415
 
         if store:
             _check_store()
-        check_folder_of(report)
+        check_report(report)
         opened = open_recording(recording)
         known_tone = Tone(*tone) if tone else None
         known = level_radiances(
@@ -109,16 +112,34 @@ def calibrate(
                 darks_required=not no_darks,
                 progress=share_of(tell, "statistics of every column"),
             )
-        save_set(calibration.coefficients, out)
-        told: dict[str, Any] = {**calibration.answer(), "path": str(out), "report": None}
-        if report is not None:
-            from service.cli.reporting import write_calibration_report  # noqa: PLC0415
-
-            write_calibration_report(report, opened, calibration, known_tone)
-            told["report"] = str(report)
+        with _report(report, opened, calibration, known_tone):
+            save_set(calibration.coefficients, out)
+        told: dict[str, Any] = {
+            **calibration.answer(),
+            "path": str(out),
+            "report": None if report is None else str(report),
+        }
         if store:
             _keep(opened, calibration)
         answer.give(told, lambda console: show_calibration(console, told))
+
+
+@contextmanager
+def _report(
+    path: Path | None, recording: "Recording", calibration: "Calibration", tone: "Tone | None"
+) -> Iterator[None]:
+    """Write the report, and take it away again where the set cannot be written: both or none."""
+    if path is None:
+        yield
+        return
+    from service.cli.reporting import write_calibration_report  # noqa: PLC0415
+
+    write_calibration_report(path, recording, calibration, tone)
+    try:
+        yield
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
 
 
 def _check_store() -> None:

@@ -131,6 +131,26 @@ def test_calibrating_again_is_the_same_set_and_another_one_is_never_overwritten(
     assert set_file.read_bytes() == before
 
 
+def test_a_report_that_is_there_is_kept(run: Run, recording_file: Path, tmp_path: Path) -> None:
+    report, found = tmp_path / "r.html", tmp_path / "set.h5"
+    report.write_text("mine")
+    ran = run("calibrate", recording_file, "--out", found, "--report", report, "--json", "-")
+    assert (ran.status, ran.error_code) == (1, "output-exists")
+    assert report.read_text() == "mine"
+    assert not found.exists()
+
+
+def test_set_and_report_are_written_both_or_neither(
+    run: Run, recording_file: Path, tmp_path: Path
+) -> None:
+    report, found = tmp_path / "r.html", tmp_path / "set.h5"
+    found.write_text("somebody else's")
+    ran = run("calibrate", recording_file, "--out", found, "--report", report, "--json", "-")
+    assert (ran.status, ran.error_code) == (1, "output-exists")
+    assert found.read_text() == "somebody else's"
+    assert not report.exists()
+
+
 def test_radiances_of_a_table_go_before_those_of_the_blocks(
     run: Run, recording_file: Path, tmp_path: Path, set_file: Path
 ) -> None:
