@@ -90,6 +90,15 @@ class BenchSettings(BenchPart):
         """True where a controller is an emulator on a pseudo-terminal."""
         return any(part.port is None for _, part in self._on_ports())
 
+    @property
+    def max_level(self) -> float | None:
+        """How many lamps the light has; None where only the light itself tells, as an LED does."""
+        if isinstance(self.light, GenLightPart) and self.light.addresses:
+            return len(self.light.addresses)
+        if isinstance(self.light, MightexLightPart) or self.simulation is None:
+            return None
+        return self.simulation.lamps
+
     @model_validator(mode="after")
     def _is_somewhere(self) -> "BenchSettings":
         if self.simulation is not None:

@@ -4,10 +4,12 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
+from calib.errors import InputError
 from calib.recording.file_recording import FileRecording
 from calib.recording.writer import RecordingWriter
 from drivers.ports import CameraSettings
 from service.bench.bench import Bench
+from service.bench.level_range import check_levels
 from service.plan.header import recording_header
 from service.plan.model import Plan
 from service.sequencer.clock import Clock
@@ -17,6 +19,16 @@ _WIDTHS = ("WidthMax", "SensorWidth", "Width")
 """Features that tell how many columns a camera has; the first that is there counts."""
 _HEIGHTS = ("HeightMax", "SensorHeight", "Height")
 """Likewise for the rows of an area camera."""
+
+
+def check_output(out: Path, *, resume: bool) -> None:
+    """Refuse a recording that is there already, or is not; best before the bench is opened."""
+    if resume and not out.exists():
+        msg = f"{out} does not exist, so there is nothing to resume; run the plan without --resume"
+        raise RunRefusedError(msg, code="nothing-to-resume")
+    if not resume and out.exists():
+        msg = f"{out} exists already: go on with it by --resume, or name another output"
+        raise InputError(msg, code="output-exists")
 
 
 def camera_settings(plan: Plan, bench: Bench, exposure_us: float) -> CameraSettings:
@@ -37,14 +49,8 @@ def camera_settings(plan: Plan, bench: Bench, exposure_us: float) -> CameraSetti
 
 
 def check_bench(plan: Plan, bench: Bench) -> None:
-    """Raise RunRefusedError when this bench cannot do what `plan` asks."""
-    highest = max(plan.levels())
-    if highest > bench.light.max_level:
-        msg = (
-            f"the plan asks for level {highest:g}, but the light of bench {bench.id!r} goes to"
-            f" {bench.light.max_level:g}"
-        )
-        raise RunRefusedError(msg, code="level-out-of-range")
+    """Raise RunRefusedError or InputError when this bench cannot do what `plan` asks."""
+    check_levels(plan.levels(), bench.light.max_level, bench.id)
     serial = bench.camera.identity.serial
     if plan.camera.serial not in {"", serial}:
         msg = f"the plan is for camera {plan.camera.serial}, but camera {serial} is connected"
@@ -80,9 +86,6 @@ def new_recording(
 
 def resumed_recording(plan: Plan, bench: Bench, out: Path, used: CameraSettings) -> RecordingWriter:
     """Go on with the recording `out`; raises RunRefusedError for another plan or camera."""
-    if not out.exists():
-        msg = f"{out} does not exist, so there is nothing to resume; run the plan without --resume"
-        raise RunRefusedError(msg, code="nothing-to-resume")
     _check_same(plan, bench, out, used)
     return RecordingWriter.resume(out)
 

@@ -16,6 +16,7 @@ from service.sequencer.attempt import Attempt
 from service.sequencer.begin import (
     camera_settings,
     check_bench,
+    check_output,
     new_recording,
     resumed_recording,
 )
@@ -101,6 +102,7 @@ def _open_recording(
     clock: Clock,
 ) -> RecordingWriter:
     """Check that all fits together, then begin or go on; nothing is lit yet."""
+    check_output(out, resume=resume)
     check_bench(plan, bench)
     wanted = camera_settings(plan, bench, steps[0].block.exposure_us)
     used = bench.camera.configure(wanted)

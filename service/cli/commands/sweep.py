@@ -41,6 +41,7 @@ def sweep(
 
         loaded = Plan.load(plan)
         if dry_run or out is None:
+            _check_level(loaded, bench)
             _tell_steps(loaded, answer)
             return
         result = _run(loaded, bench, out, resume=resume)
@@ -66,6 +67,16 @@ def _stopped(result: "RunResult") -> DarkflatError:
         f" with --resume --out {result.path}",
         code="cancelled",
     )
+
+
+def _check_level(plan: "Plan", bench_file: Path | None) -> None:
+    """Refuse levels that the bench's file has no lamps for; nothing is opened for that."""
+    from service.bench.level_range import check_levels  # noqa: PLC0415
+    from service.cli.simulated_bench import chosen_bench  # noqa: PLC0415
+
+    settings = chosen_bench(bench_file).settings
+    if settings.max_level is not None:
+        check_levels(plan.levels(), settings.max_level, settings.id)
 
 
 def _tell_steps(plan: "Plan", answer: Answer) -> None:
@@ -95,8 +106,10 @@ def _run(plan: "Plan", bench_file: Path | None, out: Path, *, resume: bool) -> "
     from service.cli.simulated_bench import chosen_bench  # noqa: PLC0415
     from service.cli.stopping import polled, stop_wanted  # noqa: PLC0415
     from service.cli.sweep_progress import sweep_progress  # noqa: PLC0415
+    from service.sequencer.begin import check_output  # noqa: PLC0415
     from service.sequencer.run import run_plan  # noqa: PLC0415
 
+    check_output(out, resume=resume)
     chosen = chosen_bench(bench_file)
     if chosen.remark:
         notes().print(chosen.remark, markup=False, style="dim")

@@ -45,7 +45,25 @@ def test_a_recording_that_is_there_is_not_overwritten(run: Run, tmp_path: Path) 
     before = out.read_bytes()
     ran = run("sweep", plan, "--out", out, "--bench", bench, "--json", "-")
     assert (ran.status, ran.error_code) == (1, "output-exists")
+    assert "--resume" in ran.stderr
     assert out.read_bytes() == before
+
+
+def test_a_recording_that_is_there_is_refused_before_the_bench_is_opened(
+    run: Run, tmp_path: Path
+) -> None:
+    plan, out = plan_for_bench(tmp_path), tmp_path / "rec.h5"
+    out.touch()
+    ran = run("sweep", plan, "--out", out, "--bench", tmp_path / "none.toml", "--json", "-")
+    assert (ran.status, ran.error_code) == (1, "output-exists")
+
+
+def test_a_dry_run_knows_how_many_lamps_the_bench_has(run: Run, tmp_path: Path) -> None:
+    plan, bench = plan_for_bench(tmp_path), bench_file(tmp_path)
+    assert run("sweep", plan, "--dry-run", "--bench", bench).status == 0
+    bench.write_text(bench.read_text().replace("[simulation]", "[simulation]\nlamps = 1"))
+    ran = run("sweep", plan, "--dry-run", "--bench", bench, "--json", "-")
+    assert (ran.status, ran.error_code) == (1, "level-out-of-range")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
