@@ -2,6 +2,8 @@
 
 import shutil
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from calib.errors import InputError
@@ -20,8 +22,8 @@ _FILE = "recording.h5"
 
 def import_archive(
     archive: Path, *, name: str, by: str, settings: Settings, store: Store
-) -> RecordingRecord:
-    """Unpack, check and keep the recording in the zip file `archive`.
+) -> tuple[RecordingRecord, bool]:
+    """Unpack, check and keep the recording in the zip file `archive`; say whether it is a new one.
 
     Raises:
         InputError: What is wrong with it; nothing is kept then.
@@ -36,13 +38,28 @@ def import_archive(
             limit_bytes=settings.max_upload_bytes,
             limit_files=settings.max_upload_files,
         )
-        _take(unpacked, kept / _FILE)
+        with _paths_of_the_archive(unpacked, kept):
+            _take(unpacked, kept / _FILE)
         digest = open_recording(kept / _FILE).digest()
         home = settings.recordings_folder / digest
         _settle(kept, home)
-    return store.recordings.register(
+    is_new = not store.recordings.knows(digest)
+    record = store.recordings.register(
         open_recording(home / _FILE), name=name or digest[:12], by=by, digest=digest
     )
+    return record, is_new
+
+
+@contextmanager
+def _paths_of_the_archive(*folders: Path) -> Iterator[None]:
+    """Let errors name files as the client knows them, not where they lie on this machine."""
+    try:
+        yield
+    except InputError as error:
+        text = str(error)
+        for folder in folders:
+            text = text.replace(f"{folder}/", "").replace(str(folder), "the archive")
+        raise InputError(text, code=error.code) from error
 
 
 def _take(unpacked: Path, out: Path) -> None:

@@ -41,7 +41,10 @@ def get_recording(digest: str, store: StoreDep) -> RecordingAnswer:
 @router.post(
     "",
     status_code=status.HTTP_201_CREATED,
-    responses=problems(413, 415, 507),
+    responses={
+        **problems(413, 415, 507),
+        200: {"model": RecordingAnswer, "description": "It was here already."},
+    },
     openapi_extra={
         "requestBody": {
             "required": True,
@@ -64,8 +67,10 @@ async def import_recording(
     with tempfile.NamedTemporaryFile(dir=settings.work_folder, suffix=".zip") as archive:
         await receive(request, archive, limit_bytes=settings.max_upload_bytes)
         archive.flush()
-        record = await run_in_threadpool(
+        record, is_new = await run_in_threadpool(
             import_archive, Path(archive.name), name=name, by=by, settings=settings, store=store
         )
+    if not is_new:
+        response.status_code = status.HTTP_200_OK
     response.headers["Location"] = f"{router.prefix}/{record.digest}"
     return RecordingAnswer.model_validate(record)

@@ -41,6 +41,12 @@ class Recordings:
             session.flush()
             return recording_record(row)
 
+    def knows(self, digest: str) -> bool:
+        """Tell whether a recording with this digest is registered."""
+        with reading_session(self._engine) as session:
+            known = select(RecordingRow.sequence).where(RecordingRow.digest == digest)
+            return session.scalar(known) is not None
+
     def get(self, digest: str) -> RecordingRecord:
         """Return the record of the recording with this digest; NotInStoreError if unknown."""
         with reading_session(self._engine) as session:

@@ -28,7 +28,7 @@ def test_a_recording_comes_in_as_file_or_folder_and_is_the_same(
     digest = open_recording(recording_file).digest()
     first = upload(client, as_files(recording_file), name="sweep 3", by="ada")
     second = upload(client, as_folder(recording_file, tmp_path, inside="sweep3/"))
-    assert (first.status_code, second.status_code) == (201, 201)
+    assert (first.status_code, second.status_code) == (201, 200)
     assert first.json() == second.json()
     assert first.json()["digest"] == digest
     assert first.json()["name"] == "sweep 3"
@@ -38,6 +38,17 @@ def test_a_recording_comes_in_as_file_or_folder_and_is_the_same(
     kept = settings.recordings_folder / digest / "recording.h5"
     assert open_recording(kept).digest() == digest
     assert list(settings.work_folder.iterdir()) == []
+
+
+def test_what_is_wrong_is_told_without_where_it_lies_on_the_server(
+    client: TestClient, settings: Settings
+) -> None:
+    refused = upload(
+        client, packed({"rec/recording.toml": b"[camera]\ncolumns = 4\nbit_depth = 8"})
+    )
+    assert refused.status_code == 422
+    assert "conditions.csv" in refused.json()["detail"]
+    assert str(settings.work_folder.parent) not in refused.text
 
 
 def test_recordings_are_filtered(client: TestClient, recording_file: Path) -> None:
