@@ -45,9 +45,16 @@ class SettingsWriter:
         self._write_image(wanted)
         self._write_times(wanted)
         self._gain.write(self.features, wanted.gain_db)
+        gain_db = self._gain.read(self.features)
         self._black_level.write(self.features, wanted.black_level_dn)
         used = self.read()
         self._check_nothing_moved(wanted, used)
+        if used.gain_db != gain_db:
+            raise self.features.refused(
+                f"gain_db: wanted {wanted.gain_db:g}, it reads back {used.gain_db:g} once the black"
+                " level is set",
+                "setting-not-taken",
+            )
         return used
 
     def read(self) -> CameraSettings:
@@ -177,6 +184,15 @@ class SettingsWriter:
             step = self.features.bounds(name).step
             tolerance = step if isinstance(want, float) else 0.0
             self.features.check_taken(name, want, got, tolerance=tolerance)
+        begins = (
+            (names.FIRST_COLUMN, wanted.first_column, used.first_column),
+            (names.FIRST_ROW, wanted.first_row, used.first_row),
+        )
+        for offset_names, want, got in begins:
+            if want != got:
+                raise self.features.refused(
+                    f"{offset_names[0]}: wanted {want}, it reads back {got}", "setting-not-taken"
+                )
         if used.pixel_format != wanted.pixel_format:
             raise self.features.refused(
                 f"PixelFormat: wanted {wanted.pixel_format}, it reads back {used.pixel_format}",

@@ -62,11 +62,13 @@ class GenLamp:
                 return True
             now_a = 0.0
             if not (
-                step(self._teller(f"PV {self._rating.voltage_limit_v:.3f}"))
+                step(self._limit)
                 and step(self._teller("PC 0.000"))
                 and step(self._teller("OUT ON"))
             ):
                 return False
+        elif burn and self._has_another_limit() and not step(self._limit):
+            return False
         for current_a in self._steps(now_a, self._rating.nominal_current_a if burn else 0.0):
             if not step(self._teller(f"PC {current_a:.3f}")):
                 return False
@@ -102,6 +104,13 @@ class GenLamp:
         if not self._units.output_on(self.unit):
             return None
         return self._units.number(self.unit, "PC?")
+
+    def _has_another_limit(self) -> bool:
+        """Whether other software left another voltage limit on a supply that is on."""
+        return abs(self._units.number(self.unit, "PV?") - self._rating.voltage_limit_v) > 1e-3
+
+    def _limit(self) -> None:
+        self._units.tell(self.unit, f"PV {self._rating.voltage_limit_v:.3f}")
 
     def _steps(self, from_a: float, to_a: float) -> list[float]:
         step_a = self._rating.ramp_step_a

@@ -127,6 +127,30 @@ def test_setting_that_a_later_one_moves_is_refused() -> None:
     assert "ExposureTime" in str(caught.value)
 
 
+def test_a_region_that_a_later_setting_moves_is_refused() -> None:
+    class Moving(PaperCamera):
+        def set_float(self, name: str, value: float) -> None:
+            super().set_float(name, value)
+            if name == "Gain":
+                self.integers["OffsetX"] = 8
+
+    with pytest.raises(SettingRefusedError, match="OffsetX: wanted 0, it reads back 8"):
+        applied(Moving())
+
+
+def test_a_gain_that_the_black_level_moves_is_refused() -> None:
+    class Moving(PaperCamera):
+        def set_float(self, name: str, value: float) -> None:
+            super().set_float(name, value)
+            if name == "BlackLevel":
+                self.floats["Gain"] = 3.0
+
+    camera = Moving()
+    camera.floats["BlackLevel"] = 0.0
+    with pytest.raises(SettingRefusedError, match="gain_db: wanted 0, it reads back 3"):
+        applied(camera)
+
+
 @pytest.mark.parametrize("missing", ["ExposureTime", "AcquisitionLineRate"])
 def test_camera_without_a_needed_feature_is_refused_by_all_its_names(missing: str) -> None:
     camera = PaperCamera()

@@ -82,6 +82,15 @@ def test_lamp_that_burns_already_is_not_ramped_again(opened: Opened) -> None:
     assert not [command for command in commands if not command.endswith("?")]
 
 
+def test_a_voltage_limit_that_other_software_left_is_put_right(opened: Opened) -> None:
+    supply = opened.emulated.supplies[1]
+    light = opened.lamps()
+    for command in ("RMT REM", "PV 30.000", "PC 1.000", "OUT ON"):
+        assert supply.obey(command) == "OK"
+    light.set_level(1)
+    assert float(supply.obey("PV?")) == RATING.voltage_limit_v
+
+
 def test_opening_and_closing_leave_the_lamps_as_they_are(opened: Opened, world: World) -> None:
     opened.lamps().set_level(2)
     opened.closing.close()
