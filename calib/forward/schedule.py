@@ -104,7 +104,7 @@ def _filled(block: Block, started_s: float, n_lines: int, lamps: LampClock | Non
     temperature_c = block.sensor_temperature_c
     return block.model_copy(
         update={
-            "started_s": started_s,
+            "started_s": round(started_s, 6),
             "lines": n_lines,
             "radiance": nominal,
             "sensor_temperature_c": AMBIENT_C if temperature_c is None else temperature_c,

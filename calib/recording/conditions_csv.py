@@ -28,6 +28,11 @@ REQUIRED = (
     "lines",
     "radiance",
 )
+OWN = {
+    "gain_db", "lamp_currents_a", "level_read_back", "monitor_before_a", "monitor_after_a",
+    "brightest_column_dn",
+}  # fmt: skip
+"""What a sweep of ours adds: kept like any other column, and no surprise."""
 _TEXT = {"block", "kind", "scene"}
 
 
@@ -74,7 +79,7 @@ def read_conditions(path: Path) -> tuple[tuple[Block, ...], tuple[str, ...]]:
         blocks.append(block)
     if not blocks:
         raise InputError(f"{path} has no rows: one per block", code="recording-incomplete")
-    unknown = [name for name in columns if name not in Block.model_fields]
+    unknown = [name for name in columns if name not in Block.model_fields and name not in OWN]
     return tuple(blocks), tuple(f"{path}: unknown column {name} is kept" for name in unknown)
 
 

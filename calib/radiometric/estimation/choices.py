@@ -36,8 +36,8 @@ def check_recording(header: RecordingHeader, choices: Choices) -> None:
             "a recording of a line sensor, or one row of the area's as such a recording."
         )
         raise InputError(message, code="area-sensor")
-    if choices.order is not None and not 0 < choices.order <= 20:
-        message = f"The vignette's order is {choices.order}: give 1 to 20, or none to choose it."
+    if choices.order is not None and not 2 <= choices.order <= 20:
+        message = f"The vignette's order is {choices.order}: give 2 to 20, or none to choose it."
         raise InputError(message, code="bad-order")
     kinds = {block.kind for block in header.blocks}
     if "flat" not in kinds:
