@@ -1,0 +1,77 @@
+"""What was measured, as one vector of independent numbers with their standard uncertainties."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.transfer.emva1288.nonuniformity import SpatialInputs
+from calib.transfer.emva1288.propagation import Batch
+from calib.transfer.emva1288.saturation import SaturationPoint
+from calib.transfer.emva1288.series import Series
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One or many variants of what was measured; a leading axis where many."""
+
+    flat_mean: Batch
+    flat_variance: Batch
+    flat_spatial: Batch
+    dark_mean: Batch
+    dark_variance: Batch
+    limit: Batch
+    gain_misfit: Batch
+    response_misfit: Batch
+    spatial: tuple[Batch, ...]
+
+
+def vector_of(
+    series: Series,
+    point: SaturationPoint,
+    misfits: tuple[float, float],
+    spatial: SpatialInputs | None,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return values and standard uncertainties, in the order in which `unpacked` takes them."""
+    flats, darks = series.flats, series.darks
+    values = [
+        [f.mean_dn for f in flats],
+        [f.variance_dn2 for f in flats],
+        [np.nan_to_num(f.spatial_dn2) for f in flats],
+        [d.mean_dn for d in darks],
+        [d.variance_dn2 for d in darks],
+        [np.nan_to_num(point.limit_dn), 0.0, 0.0],
+    ]
+    stds = [
+        [f.mean_dn_std for f in flats],
+        [f.variance_dn2_std for f in flats],
+        [0.0 for _ in flats],
+        [d.mean_dn_std for d in darks],
+        [d.variance_dn2_std for d in darks],
+        [np.nan_to_num(point.limit_std), *misfits],
+    ]
+    for part in () if spatial is None else spatial.parts:
+        values.append(list(part.values))
+        stds.append(list(part.std))
+    return np.concatenate(values), np.concatenate(stds)
+
+
+def unpacked(batch: Batch, series: Series, spatial: SpatialInputs | None) -> Measured:
+    """Give the vectors' parts their names."""
+    n, m = len(series.flats), len(series.darks)
+    sizes = [n, n, n, m, m, 1, 1, 1]
+    sizes += [] if spatial is None else [len(part.values) for part in spatial.parts]
+    parts = np.split(batch, np.cumsum(sizes)[:-1], axis=-1)
+    limit, gain, response = (part[..., 0] for part in parts[5:8])
+    flat_mean, flat_variance, flat_spatial, dark_mean, dark_variance = parts[:5]
+    return Measured(
+        flat_mean=flat_mean,
+        flat_variance=flat_variance,
+        flat_spatial=flat_spatial,
+        dark_mean=dark_mean,
+        dark_variance=dark_variance,
+        limit=limit,
+        gain_misfit=gain,
+        response_misfit=response,
+        spatial=tuple(parts[8:]),
+    )
