@@ -46,7 +46,8 @@ def histogram_of(image: Image, grain: float = 0.0) -> Histogram:
     # Half a grain up: a value is never taken for the one below it by rounding.
     index = np.floor((image - lowest + 0.5 * least) / width).astype(np.int64)
     count = np.bincount(index.ravel())
-    middle = lowest + width * np.arange(len(count)) + 0.5 * (width - least) - mean
+    steps = np.arange(len(count), dtype=np.float64)
+    middle: Numbers = steps * width + (lowest + 0.5 * (width - least) - mean)
     apart = np.sort(np.abs(image - mean).ravel())
     distance = np.linspace(0.0, float(apart[-1]), BINS, dtype=np.float64)
     beyond = 1.0 - np.searchsorted(apart, distance, side="left") / apart.size

@@ -50,8 +50,8 @@ def _loss(lowpass: NDArray[np.float64]) -> Loss:
     reach = tuple(side // 2 for side in lowpass.shape)
     kernel = -lowpass
     kernel[reach] += 1.0
-    shape = tuple(2 * side for side in lowpass.shape)
-    power = np.abs(np.fft.fftn(kernel, shape)) ** 2  # long enough for the correlation not to wrap
+    roomy = np.pad(kernel, [(0, side) for side in lowpass.shape])  # so that nothing wraps
+    power = np.abs(np.fft.fftn(roomy)) ** 2
     return Loss(float(np.mean(power)), float(np.mean(power**2) / np.mean(power) ** 2))
 
 

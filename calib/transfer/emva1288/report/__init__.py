@@ -1,0 +1,1 @@
+"""The data sheet to look at: one page that needs nothing but itself."""
