@@ -69,7 +69,7 @@ def figures_of(image: BlockImage) -> BlockFigures:
         block=image.block,
         n_frames=n,
         mean_dn=float(np.mean(image.mean_dn)),
-        mean_dn_std=_mean_std(max(within / pixels, moving / rows), common, n),
+        mean_dn_std=_mean_std(within / pixels, moving / rows, common, n, rows),
         variance_dn2=total if is_line else within,
         variance_dn2_std=math.sqrt(squared),
         within_dn2=within,
@@ -79,16 +79,18 @@ def figures_of(image: BlockImage) -> BlockFigures:
     )
 
 
-def _mean_std(expected: float, seen: float, n: int) -> float:
-    """Return the mean's standard uncertainty: from noise, or from the frames' means.
+def _mean_std(white: float, by_rows: float, by_frames: float, n: int, rows: int) -> float:
+    """Return the mean's standard uncertainty: from noise, or from what rows or frames move by.
 
-    The frames' means are believed where they spread more than noise explains: two frames alone
-    tell too little of their spread to be believed always.
+    The rows' and the frames' own means are believed where they spread more than noise explains:
+    a few of them tell too little of their spread to be believed always.
     """
     if n < 2:
         return math.nan
-    limit = float(chi2.isf(CHANCE, n - 1)) / (n - 1)
-    return math.sqrt(max(0.0, seen if seen > limit * expected else expected) / n)
+    found = white
+    for seen, free in ((by_rows, rows * (n - 1)), (by_frames, n - 1)):
+        found = seen if seen > found * float(chi2.isf(CHANCE, free)) / free else found
+    return math.sqrt(max(0.0, found) / n)
 
 
 def figures_of_sums(block: Block, row: StatisticsRow) -> BlockFigures:

@@ -12,8 +12,9 @@ from calib.recording.protocol import Recording
 from calib.recording.statistics import Progress, never
 from calib.recording.statistics_csv import StatisticsRow
 from calib.transfer.emva1288.block_figures import BlockFigures, figures_of, figures_of_sums
-from calib.transfer.emva1288.block_image import BlockImage, image_shape, read_block
+from calib.transfer.emva1288.block_image import BlockImage, read_block
 from calib.transfer.emva1288.choices import spatial_blocks
+from calib.transfer.emva1288.clipping import carrier_of, clipped_point
 from calib.transfer.emva1288.findings import findings
 from calib.transfer.emva1288.fits import fits_of
 from calib.transfer.emva1288.formulas import Formulas
@@ -38,8 +39,8 @@ def data_sheet(
 ) -> DataSheet:
     """Return every figure of the linear model, each with its standard uncertainty or a reason.
 
-    Every block is read once, the two that the nonuniformities are from twice; memory holds a few
-    images, however many frames and blocks there are.
+    Every block is read once, those that saturation and the nonuniformities are from twice; memory
+    holds a few images, however many frames and blocks there are.
 
     Args:
         recording: Flats at several exposures or levels, and capped darks at the same exposures;
@@ -58,10 +59,17 @@ def data_sheet(
     wanted = [b for b in header.blocks if b.kind != "scene"]
     blocks = _of_sums(wanted, sums) if sums else [figures_of(reader.read(b)) for b in wanted]
     series = series_of(blocks, header, str(recording.path))
-    rows, columns = image_shape(header.camera)
-    point = find_saturation(series, header.camera.full_scale_dn, rows * columns)
+    full_scale_dn = header.camera.full_scale_dn
+    point = find_saturation(series, full_scale_dn)
+    if point.by_share:
+        carrier = carrier_of(point, series)
+        image = reader.read(series.flats[carrier].block).mean_dn
+        point = clipped_point(point, series, carrier, image, full_scale_dn)
     spatial = None if sums else _spatial(reader, series, point)
-    return _assemble(recording, series, point, spatial)
+    sheet = _assemble(recording, series, point, spatial)
+    if progress is not None:
+        progress(1.0)
+    return sheet
 
 
 @dataclass(frozen=True)
@@ -72,13 +80,13 @@ class _Spatial:
 
 
 class _Reader:
-    """Reads blocks, and tells how far along it is: two of them are read a second time."""
+    """Reads blocks, and tells how far along it is: three of them are read a second time."""
 
     def __init__(
         self, recording: Recording, progress: Progress | None, cancelled: Callable[[], bool]
     ) -> None:
         self._recording, self._progress, self._cancelled = recording, progress, cancelled
-        self._total = sum(b.kind != "scene" for b in recording.header.blocks) + 2
+        self._total = sum(b.kind != "scene" for b in recording.header.blocks) + 3
         self._done = 0
 
     def read(self, block: Block) -> BlockImage:

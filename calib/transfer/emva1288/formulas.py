@@ -13,7 +13,7 @@ from calib.transfer.emva1288.fits import Fits
 from calib.transfer.emva1288.inputs import Measured, unpacked
 from calib.transfer.emva1288.nonuniformity import SpatialInputs, nonuniformities
 from calib.transfer.emva1288.propagation import Batch
-from calib.transfer.emva1288.saturation import SaturationPoint, saturated_signal
+from calib.transfer.emva1288.saturation import SaturationPoint
 from calib.transfer.emva1288.series import Series
 
 QUANTISATION_DN2 = 1.0 / 12.0
@@ -85,24 +85,16 @@ class Formulas:
         k = self.point.step
         if k < 0:
             return
-        signal, dark = self._saturated(measured)
+        dark = measured.dark_mean[..., self.series.dark_of[k]]
+        signal = measured.saturation - dark
         light = signal / self.signal(measured)[..., k] * self._light[k]
         electrons = light * found["electrons_per_light"]
-        yield "saturation_dn", signal + dark
+        yield "saturation_dn", measured.saturation
         yield "saturation_capacity_e", electrons
         if self.photons_per_light is not None:
             yield "saturation_capacity_photons", light * self.photons_per_light
         yield from _ratios("snr_max", np.sqrt(electrons))
         yield from _ratios("dynamic_range", electrons / least)
-
-    def _saturated(self, measured: Measured) -> tuple[Batch, Batch]:
-        k = self.point.step
-        dark = measured.dark_mean[..., self.series.dark_of[k]]
-        if not self.point.by_share:
-            return measured.limit - dark, dark
-        signal = self.signal(measured)[..., k]
-        variance, spatial = measured.flat_variance[..., k], measured.flat_spatial[..., k]
-        return saturated_signal(measured.limit, signal, dark, variance, spatial), dark
 
     def _linearity(self, measured: Measured) -> Iterator[tuple[str, Batch]]:
         """Eqs. 57-63: the line of least relative deviation over 5 … 95 % of saturation."""

@@ -17,10 +17,9 @@ class Measured:
 
     flat_mean: Batch
     flat_variance: Batch
-    flat_spatial: Batch
     dark_mean: Batch
     dark_variance: Batch
-    limit: Batch
+    saturation: Batch
     gain_misfit: Batch
     response_misfit: Batch
     spatial: tuple[Batch, ...]
@@ -37,18 +36,16 @@ def vector_of(
     values = [
         [f.mean_dn for f in flats],
         [f.variance_dn2 for f in flats],
-        [np.nan_to_num(f.spatial_dn2) for f in flats],
         [d.mean_dn for d in darks],
         [d.variance_dn2 for d in darks],
-        [np.nan_to_num(point.limit_dn), 0.0, 0.0],
+        [np.nan_to_num(point.mean_dn), 0.0, 0.0],
     ]
     stds = [
         [f.mean_dn_std for f in flats],
         [f.variance_dn2_std for f in flats],
-        [0.0 for _ in flats],
         [d.mean_dn_std for d in darks],
         [d.variance_dn2_std for d in darks],
-        [np.nan_to_num(point.limit_std), *misfits],
+        [np.nan_to_num(point.mean_std), *misfits],
     ]
     for part in () if spatial is None else spatial.parts:
         values.append(list(part.values))
@@ -59,19 +56,18 @@ def vector_of(
 def unpacked(batch: Batch, series: Series, spatial: SpatialInputs | None) -> Measured:
     """Give the vectors' parts their names."""
     n, m = len(series.flats), len(series.darks)
-    sizes = [n, n, n, m, m, 1, 1, 1]
+    sizes = [n, n, m, m, 1, 1, 1]
     sizes += [] if spatial is None else [len(part.values) for part in spatial.parts]
     parts = np.split(batch, np.cumsum(sizes)[:-1], axis=-1)
-    limit, gain, response = (part[..., 0] for part in parts[5:8])
-    flat_mean, flat_variance, flat_spatial, dark_mean, dark_variance = parts[:5]
+    saturation, gain, response = (part[..., 0] for part in parts[4:7])
+    flat_mean, flat_variance, dark_mean, dark_variance = parts[:4]
     return Measured(
         flat_mean=flat_mean,
         flat_variance=flat_variance,
-        flat_spatial=flat_spatial,
         dark_mean=dark_mean,
         dark_variance=dark_variance,
-        limit=limit,
+        saturation=saturation,
         gain_misfit=gain,
         response_misfit=response,
-        spatial=tuple(parts[8:]),
+        spatial=tuple(parts[7:]),
     )

@@ -94,7 +94,7 @@ def signal_to_noise(sheet: DataSheet) -> Figure:
     axes.set(xscale="log", yscale="log", ylim=(0.1, None), title="Signal-to-noise ratio",
              xlabel="photons per pixel" if unit == "photons" else "signal, e⁻",
              ylabel="SNR")  # fmt: skip
-    axes.legend(loc="upper left")
+    axes.legend(loc="lower center")
     return figure
 
 

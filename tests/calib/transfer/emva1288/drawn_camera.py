@@ -7,7 +7,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from scipy.stats import norm
+from scipy.stats import pearson3
 
 from calib.recording.header import Block, CameraHeader, RecordingHeader, SourceHeader
 from calib.transfer.emva1288.block_figures import BlockFigures
@@ -88,10 +88,11 @@ class DrawnCamera:
         """The exposure at level 1 at which 0.15 % of the samples are at full scale."""
 
         def share(exposure_us: float) -> float:
-            mean = self.expected_dn(exposure_us, 1.0)
-            variance = self.gain**2 * (self.electrons(exposure_us, 1.0) + self.read_noise_e**2)
-            off = (self.full_scale_dn - 0.5 - mean) / np.sqrt(variance + self.line_noise_dn**2)
-            return float(np.mean(norm.sf(off))) - SHARE
+            mean, electrons = (f(exposure_us, 1.0) for f in (self.expected_dn, self.electrons))
+            variance = self.gain**2 * (electrons + self.read_noise_e**2) + self.line_noise_dn**2
+            off = (self.full_scale_dn - 0.5 - mean) / np.sqrt(variance)
+            skewness = self.gain**3 * electrons / variance**1.5
+            return float(np.mean(pearson3.sf(off, skewness))) - SHARE
 
         full = self.full_scale_dn / self.gain / self.efficiency / self.photons_per_us
         return float(brentq(share, 0.3 * full, 1.5 * full))

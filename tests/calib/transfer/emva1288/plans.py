@@ -81,7 +81,7 @@ def bench(
     rng: Generator,
     camera: DrawnCamera | None = None,
     shares: Sequence[float] = SHARES,
-    lines: float = 0.3,
+    lines: float = 0.4,
 ) -> Bench:
     """Give a camera 1 % PRNU and 10 e- DSNU, rows and columns `lines` times as much."""
     camera = camera or DrawnCamera()
