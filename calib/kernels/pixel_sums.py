@@ -18,7 +18,7 @@ def most_frames(full_scale_dn: int) -> int:
     Σ|x − c|³ has to stay below 2⁶³.
 
     >>> most_frames(65535), most_frames(16383)
-    (32769, 2097535)
+    (32769, 2097536)
     """
     return int(((1 << 63) - 1) // full_scale_dn**3)
 

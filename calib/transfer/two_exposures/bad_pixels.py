@@ -1,8 +1,10 @@
 """A bad-pixel map from the maps of gain, bias and read noise.
 
-A value is an outlier where it lies far from its fellows in units of what it may differ by: its
-uncertainty and the pixels' true scatter, which the median absolute deviation tells. A gain that is
-merely noisy does not make a pixel bad; many frames make finer faults visible.
+A value is an outlier where it lies far from its fellows in units of what it may differ by: the
+uncertainty that a pixel so lit has, and the pixels' true scatter, which the median absolute
+deviation tells. The uncertainty is the median over pixels of the same signal, not the pixel's own:
+of a noisy pixel that is large, and would excuse it; one that came out small by chance would accuse
+a good one. A gain that is merely noisy makes no pixel bad; many frames make finer faults visible.
 """
 
 from dataclasses import dataclass
@@ -17,6 +19,7 @@ from calib.transfer.two_exposures.pixel_maps import PixelMaps
 from calib.transfer.two_exposures.pixel_state import PixelState
 
 OUTLIER_SIGMA = 6.0
+_GROUP = 200  # pixels of about the same signal, or more
 
 
 class Defect(IntFlag):
@@ -70,9 +73,10 @@ def bad_pixels(maps: PixelMaps, outlier_sigma: float = OUTLIER_SIGMA) -> BadPixe
         outlier_sigma: From how many standard deviations on a value is an outlier; 6 leaves one
             good Gaussian pixel in 10⁹ behind.
     """
-    gain = robust_z(maps.system_gain_dn_per_e, maps.system_gain_dn_per_e_std)
-    bias = robust_z(maps.bias_dn, maps.bias_dn_std)
-    noise = robust_z(maps.read_noise_variance_dn2, maps.read_noise_variance_dn2_std)
+    lit = maps.signal_dn
+    gain = robust_z(maps.system_gain_dn_per_e, maps.system_gain_dn_per_e_std, lit)
+    bias = robust_z(maps.bias_dn, maps.bias_dn_std, lit)
+    noise = robust_z(maps.read_noise_variance_dn2, maps.read_noise_variance_dn2_std, lit)
     reason = maps.reason
     dead = np.isin(reason, (PixelState.DEAD, PixelState.NO_RESPONSE))
     clipped = np.isin(reason, (PixelState.CLIPPED_AT_ZERO, PixelState.CLIPPED_AT_FULL_SCALE))
@@ -90,18 +94,28 @@ def bad_pixels(maps: PixelMaps, outlier_sigma: float = OUTLIER_SIGMA) -> BadPixe
     return BadPixels(defect)
 
 
-def robust_z(values: Pixels, std: Pixels) -> Pixels:
-    """Return how far values lie from the median, by their uncertainty and true scatter together.
+def robust_z(values: Pixels, std: Pixels, signal_dn: Pixels) -> Pixels:
+    """Return how far values lie from their median, by uncertainty and true scatter together.
 
-    The true scatter is what the median absolute deviation holds beside the typical uncertainty.
-    A pixel's uncertainty counts as no less than the typical one: one that came out small by chance
-    makes no outlier. Where there is no value, 0.
+    Where there is no value, 0.
     """
-    known = np.isfinite(values) & np.isfinite(std)
+    known = np.isfinite(values) & np.isfinite(std) & np.isfinite(signal_dn)
+    z = np.zeros_like(values)
     if not known.any():
-        return np.zeros_like(values)
-    middle, typical = np.median(values[known]), np.median(std[known])
-    spread = median_abs_deviation(values[known], scale="normal")
-    true2 = max(float(spread) ** 2 - float(typical) ** 2, 0.0)
-    z = (values - middle) / np.sqrt(np.maximum(std, typical) ** 2 + true2)
-    return np.where(known, z, 0.0)
+        return z
+    typical = _typical(std[known], signal_dn[known])
+    off = values[known] - np.median(values[known])
+    spread = float(median_abs_deviation(values[known], scale="normal"))
+    true2 = max(spread**2 - float(np.median(typical)) ** 2, 0.0)
+    z[known] = off / np.sqrt(typical**2 + true2)
+    return z
+
+
+def _typical(std: Pixels, signal_dn: Pixels) -> Pixels:
+    """Return the median of `std` over the pixels of about the same signal."""
+    n_groups = int(np.clip(std.size // _GROUP, 1, 64))
+    order = np.argsort(signal_dn, kind="stable")
+    typical = np.empty_like(std)
+    for group in np.array_split(order, n_groups):
+        typical[group] = np.median(std[group])
+    return typical

@@ -8,7 +8,8 @@ a + φq² in its variance beside its own noise, and so has, at the mean signal, 
 a cancels in V = σ₂² − σ₁², φ does not: 0.1 % of flicker on 10⁴ DN of 1 DN/e⁻ raises G by 3 %. x at
 two exposures tells which share of it is flicker, and pixel by pixel it is taken off. Where the
 light is even, that is the same as to subtract each frame's mean deviation: what the frames share
-is gone, its own scatter with it. Where it is not, the share's uncertainty stays.
+is gone, its own scatter with it. Where it is not, the share's uncertainty stays, and flicker that
+the frame means do not show is not taken off: a spot's flicker is faint in the mean of a dark frame.
 """
 
 from dataclasses import dataclass
@@ -17,6 +18,9 @@ import numpy as np
 
 from calib.kernels.pixel_sums import Pixels
 from calib.transfer.two_exposures.frame_series import FrameSeries
+
+SEEN_SIGMA = 3.0
+"""From here on a rise of x with the signal is flicker."""
 
 
 @dataclass(frozen=True)
@@ -80,9 +84,9 @@ class CommonMode:
 
         The pixels' own noise in x, and of the scatter of both x what makes the share uncertain.
         """
-        if not self._lever > 0:
-            return self.own_std_dn2[exposure]
         share = self._flicker_share(exposure)
+        if share == 0.0:
+            return self.own_std_dn2[exposure]
         uneven = mean_square_dn2 / self.mean_signal_dn**2 - 1.0
         own = self.own_std_dn2[exposure] * (1.0 + share * uneven)
         of_share = float(np.hypot(*self.excess_std_dn2)) * self._scale(exposure) * uneven
@@ -95,10 +99,13 @@ class CommonMode:
         return self.excess_dn2[exposure] * (1.0 - share + share * uneven)
 
     def _flicker_share(self, exposure: int) -> float:
-        """Return φq̄² over x, 0 … 1."""
-        flicker = self.flicker_relative2 * self._scale(exposure) * self.mean_signal_dn**2
+        """Return φq̄² over x, 0 … 1; 0 where flicker is not seen beyond the pixels' own noise."""
+        rise = self.excess_dn2[1] - self.excess_dn2[0]
         excess = self.excess_dn2[exposure]
-        return min(max(flicker / excess, 0.0), 1.0) if excess != 0 else 0.0
+        if not self._lever > 0 or rise < SEEN_SIGMA * np.hypot(*self.own_std_dn2) or excess <= 0:
+            return 0.0
+        flicker = self.flicker_relative2 * self._scale(exposure) * self.mean_signal_dn**2
+        return float(min(flicker / excess, 1.0))
 
     def _scale(self, exposure: int) -> float:
         return self.ratio**2 if exposure else 1.0

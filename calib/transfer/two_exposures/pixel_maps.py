@@ -38,6 +38,7 @@ class PixelMaps:
         read_noise_variance_dn2: σ_n², without the 1/12 DN² of rounding.
         read_noise_variance_dn2_std: Its uncertainty.
         gain_bias_covariance: Of G and B, DN²/e⁻.
+        signal_dn: D/(r−1), what the first exposure's light adds to the bias.
         reason: `PixelState`, uint8.
     """
 
@@ -52,6 +53,7 @@ class PixelMaps:
     read_noise_variance_dn2: Pixels
     read_noise_variance_dn2_std: Pixels
     gain_bias_covariance: Pixels
+    signal_dn: Pixels
     reason: NDArray[np.uint8]
 
     @classmethod
@@ -68,7 +70,7 @@ class PixelMaps:
     def counts(self) -> dict[str, int]:
         """Return how many pixels are in each state that occurs.
 
-        >>> arrays = [np.zeros(3)] * 11
+        >>> arrays = [np.zeros(3)] * 12
         >>> PixelMaps(*arrays, np.array([0, 5, 0], np.uint8)).counts()
         {'valid': 2, 'no_shot_noise': 1}
         """

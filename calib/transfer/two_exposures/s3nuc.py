@@ -74,6 +74,7 @@ def _estimate(pair: ExposurePair, gain_dn_per_e: float) -> PixelMaps:
             reason, std(_Form.less_third(pair, 1, variance=1.0)), *neither
         ),
         gain_bias_covariance=told(reason, of_gain.covariance(of_bias, first, second), *neither),
+        signal_dn=told(reason, d / (pair.ratio - 1.0)),
         reason=reason,
     )
 

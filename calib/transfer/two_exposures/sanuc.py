@@ -65,5 +65,6 @@ def _estimate(pair: ExposurePair, gain_dn_per_e: float) -> PixelMaps:
         read_noise_variance_dn2=told(reason, read),
         read_noise_variance_dn2_std=told(reason, np.sqrt(var_read)),
         gain_bias_covariance=told(reason, (cov_v - gain * cov_d) / d, *no_gain),
+        signal_dn=told(reason, d / rho),
         reason=reason,
     )

@@ -102,8 +102,8 @@ def test_what_frames_have_in_common_is_told() -> None:
 
 def test_a_spot_in_the_dark_is_weighted_and_covered() -> None:
     place = np.linspace(-30, 30, 2000)
-    sensor = Sensor.flat(2000, 1.0, 10.0)
-    spot = Sensor(sensor.gain, sensor.bias, 500.0 * np.exp(-(place**2)), 10.0)
+    sensor = Sensor.flat(2000, 1.0, 30.0)
+    spot = Sensor(sensor.gain, sensor.bias + 200.0, 500.0 * np.exp(-(place**2)), 30.0)
     rng = np.random.default_rng(3)
     every, summed = [], []
     for _ in range(100):
