@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from benchmarks import apply, calibration, line_fit, recording, simulation, sums
+from benchmarks import apply, calibration, line_fit, recording, simulation, sums, two_exposures
 from benchmarks.row import Row
 from benchmarks.size import Size
 
@@ -11,6 +11,8 @@ ROWS: dict[str, Callable[[Size], Row]] = {
     "sums": sums.one_thread,
     "sums-2": sums.two_threads,
     "covariances": sums.with_covariances,
+    "moments": two_exposures.moments,
+    "sanuc": two_exposures.reduction,
     "fit": line_fit.run,
     "apply": apply.without_std,
     "apply-std": apply.with_std,

@@ -13,6 +13,9 @@ class Size:
         n_columns: Columns of the camera.
         n_frames: Frames that one call of a sum gets, so that threads are worth their start.
         fit_pixels: Pixels of which the line fit fits every one.
+        stack_rows: Rows of an area sensor.
+        stack_columns: Its columns.
+        stack_frames: Frames of its stack that lie in memory.
         rounds: Turns per contestant.
         recording_s: How long to record.
         recording_mb_s: The rate at which the camera sends.
@@ -24,6 +27,9 @@ class Size:
     n_columns: int = 6144
     n_frames: int = 8
     fit_pixels: int = 2000 * 6144
+    stack_rows: int = 2056
+    stack_columns: int = 2452
+    stack_frames: int = 40
     rounds: int = 9
     recording_s: float = 30.0
     recording_mb_s: float = 260.0
@@ -34,6 +40,11 @@ class Size:
     def frame_pixels(self) -> int:
         """Pixels of one frame."""
         return self.n_lines * self.n_columns
+
+    @property
+    def stack_pixels(self) -> int:
+        """Pixels of one frame of the area sensor."""
+        return self.stack_rows * self.stack_columns
 
     @property
     def frame(self) -> str:
