@@ -1,6 +1,6 @@
 """The experiment of Yielding, Cain and Seal (2018), section 4, on a simulated bench.
 
-    python examples/led_pinhole.py [--out docs/gallery] [--runs 8] [--read-noise 3]
+    python examples/led_pinhole.py [--out docs/gallery] [--runs 6] [--read-noise 3]
 
 An LED lights a pinhole of 200 um at 4.33 m, whose image fills 200 pixels of a 14-bit area camera;
 100 frames of 100 ms and of 200 ms go through the sequencer into a recording. Each run has a source
@@ -53,7 +53,7 @@ def main() -> None:
     """Run the experiment some times, draw a figure, print what it gave."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("docs/gallery"))
-    parser.add_argument("--runs", type=int, default=8)
+    parser.add_argument("--runs", type=int, default=6)
     parser.add_argument("--read-noise", type=float, default=3.0, help="of the camera, e-")
     asked = parser.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)

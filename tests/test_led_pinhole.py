@@ -31,7 +31,7 @@ def _example() -> ModuleType:
 
 @pytest.fixture(scope="module")
 def runs() -> list[Any]:
-    return list(_example().runs(10, seed=4))
+    return list(_example().runs(8, seed=4))
 
 
 def check(runs: list[Any]) -> None:

@@ -63,12 +63,12 @@ def found(scene: Scene, rng: Generator) -> SpotElectrons:
 
 SCENES = {
     "as in the paper": Scene(),
-    "shot noise alone, few electrons": Scene(mean_e=1.2, dark_e=0.0, read_std_e=0.2),
+    "shot noise alone, few electrons": Scene(mean_e=1.2, dark_e=0.0, read_std_e=0.2, n_frames=30),
     "dark current": Scene(dark_e=30.0),
     "noisy": Scene(read_std_e=9.0),
     "tripled exposure": Scene(ratio=3.0, n_frames=30),
 }
-N_RUNS = 500
+N_RUNS = 400
 
 
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
