@@ -12,11 +12,12 @@ export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba-cache
 
 setup: $(VENV)/ready
 
-$(VENV)/ready: requirements.lock pyproject.toml docker/install-system.sh
+$(VENV)/ready: requirements.lock tests/sample-data.lock pyproject.toml docker/install-system.sh
 	docker/install-system.sh
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --upgrade pip
 	$(BIN)/pip install --quiet --require-hashes -r requirements.lock
+	$(BIN)/pip install --quiet --require-hashes --no-deps -r tests/sample-data.lock
 	$(BIN)/pip install --quiet --no-deps --editable .
 	touch $@
 
@@ -62,6 +63,14 @@ lock:
 	{ echo '# Written by `make lock`, from peers.in: every package by version and hash, no host by name.'; \
 	  $(COMPILE) benchmarks/peers.in | grep -v '^--'; } > benchmarks/peers.lock.new
 	mv benchmarks/peers.lock.new benchmarks/peers.lock
+	.lock-venv/bin/pip install --quiet --dry-run --ignore-installed --no-deps \
+	  --report .lock-venv/sample-data.json -r tests/sample-data.in
+	{ echo '# Written by `make lock`, from sample-data.in: every package by version and hash, no host by name.'; \
+	  .lock-venv/bin/python -c 'import json, sys; \
+	    [print("{}=={} --hash=sha256:{}".format(i["metadata"]["name"], i["metadata"]["version"], \
+	      i["download_info"]["archive_info"]["hashes"]["sha256"])) for i in json.load(sys.stdin)["install"]]' \
+	    < .lock-venv/sample-data.json; } > tests/sample-data.lock.new
+	mv tests/sample-data.lock.new tests/sample-data.lock
 	rm -rf .lock-venv
 
 clean:

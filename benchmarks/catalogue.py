@@ -2,7 +2,16 @@
 
 from collections.abc import Callable
 
-from benchmarks import apply, calibration, line_fit, recording, simulation, sums, two_exposures
+from benchmarks import (
+    apply,
+    calibration,
+    line_fit,
+    pairs,
+    recording,
+    simulation,
+    sums,
+    two_exposures,
+)
 from benchmarks.row import Row
 from benchmarks.size import Size
 
@@ -13,6 +22,7 @@ ROWS: dict[str, Callable[[Size], Row]] = {
     "covariances": sums.with_covariances,
     "moments": two_exposures.moments,
     "sanuc": two_exposures.reduction,
+    "pairs": pairs.run,
     "fit": line_fit.run,
     "apply": apply.without_std,
     "apply-std": apply.with_std,

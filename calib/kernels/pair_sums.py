@@ -1,0 +1,270 @@
+"""Exact sums of differences between two exposures: squares, and products of neighbours.
+
+Everything is counted in whole numbers of 1/64 DN, so that what the columns of a tap share can be
+taken off to that resolution and the sums stay exact: products of at most 2⁴⁴ over at most 128 rows
+fit double precision (2⁵³), and are added up over stretches of rows in 64-bit integers.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from calib.arrays import RawLines
+
+STEPS_PER_DN = 64
+"""Differences are whole numbers of 1/64 DN."""
+_ROWS = 128
+_TILE = 2048
+_FIRST_CUT = 4  # in limits: how far a difference may pull the first estimate of a row's mean
+
+Steps = NDArray[np.int32]
+"""Whole numbers of 1/64 DN."""
+Lag = tuple[int, int]
+"""Rows and columns from one pixel to the other; rows ≥ 0."""
+
+
+@dataclass(frozen=True)
+class TapRuns:
+    """Which columns each tap reads: first, last + 1 and step, (n_taps, 3)."""
+
+    runs: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, tap: NDArray[np.intp]) -> "TapRuns":
+        """Return the runs of a row whose columns are read by the taps `tap`, (n_columns,).
+
+        >>> TapRuns.of(np.array([0, 1, 0, 1])).runs.tolist()
+        [[0, 3, 2], [1, 4, 2]]
+        """
+        runs = []
+        for number in np.unique(tap):
+            columns = np.flatnonzero(tap == number)
+            step = int(columns[1] - columns[0]) if len(columns) > 1 else 1
+            runs.append((int(columns[0]), int(columns[-1]) + 1, step))
+        return cls(np.array(runs, np.int64))
+
+
+@dataclass(frozen=True)
+class RowSums:
+    """Sums of differences over the columns of a tap, each (n_rows, n_taps).
+
+    Attributes:
+        differences: Σ d, DN.
+        counts: How many differences.
+    """
+
+    differences: NDArray[np.int64]
+    counts: NDArray[np.int64]
+
+    @classmethod
+    def zero(cls, n_rows: int, n_taps: int) -> "RowSums":
+        """Return the sums over no columns."""
+        return cls(*(np.zeros((n_rows, n_taps), np.int64) for _ in range(2)))
+
+
+@dataclass(frozen=True)
+class LagSums:
+    """Sums of products over rows, each (n_lags, n_columns), in units of 1/64² DN².
+
+    Attributes:
+        products: Σ d[n, i]·d[n + rows, i + columns], exact.
+        counts: How many products; 0 where i + columns lies beyond the line.
+    """
+
+    products: NDArray[np.int64]
+    counts: NDArray[np.int64]
+
+    def __add__(self, other: "LagSums") -> "LagSums":
+        """Return the sums over the rows of both."""
+        return LagSums(self.products + other.products, self.counts + other.counts)
+
+    @classmethod
+    def zero(cls, n_lags: int, n_columns: int) -> "LagSums":
+        """Return the sums over no rows."""
+        return cls(*(np.zeros((n_lags, n_columns), np.int64) for _ in range(2)))
+
+
+def first_row_sums(later: RawLines, earlier: RawLines, taps: TapRuns, limit: Steps) -> RowSums:
+    """Return sums in which no difference counts for more than four limits.
+
+    Args:
+        later: Codes, (n_rows, n_columns).
+        earlier: As `later`.
+        taps: Of the columns.
+        limit: (n_columns,).
+    """
+    sums = RowSums.zero(len(later), len(taps.runs))
+    cut = limit // (STEPS_PER_DN // _FIRST_CUT)
+    _add_cut(later, earlier, taps.runs, cut.astype(np.int32), sums.differences)
+    sums.counts[:] = -(-(taps.runs[:, 1] - taps.runs[:, 0]) // taps.runs[:, 2])
+    return sums
+
+
+def row_sums(
+    later: RawLines, earlier: RawLines, taps: TapRuns, limit: Steps, centre: Steps
+) -> RowSums:
+    """Return sums over the differences within `limit` of `centre`, (n_rows, n_taps)."""
+    sums = RowSums.zero(*centre.shape)
+    _add_within(later, earlier, taps.runs, limit, centre, sums.differences, sums.counts)
+    return sums
+
+
+def lag_sums(
+    later: RawLines,
+    earlier: RawLines,
+    taps: TapRuns,
+    limit: Steps,
+    centre: Steps,
+    *,
+    lags: tuple[Lag, ...],
+) -> LagSums:
+    """Return Σ of products of (later − earlier − centre) at every lag of `lags`.
+
+    A difference farther than `limit` from its row's centre takes no part.
+
+    Args:
+        later: Codes, (n_rows, n_columns).
+        earlier: As `later`.
+        taps: Of the columns.
+        limit: (n_columns,).
+        centre: What the columns of a tap share, (n_rows, n_taps).
+        lags: Products are taken inside stretches of 128 rows.
+    """
+    n_columns = later.shape[1]
+    shape = (len(lags), n_columns)
+    table = np.array(lags, np.int64).reshape(-1, 2)
+    total = LagSums.zero(*shape)
+    for first in range(0, len(later), _ROWS):
+        rows = slice(first, min(first + _ROWS, len(later)))
+        n_rows = rows.stop - first
+        steps = np.empty((n_rows, n_columns), np.int32)
+        any_far = _residuals(later[rows], earlier[rows], taps.runs, limit, centre[rows], steps)
+        sums, missing = np.zeros(shape), np.zeros(shape, np.int64)
+        if any_far.any():
+            _count_missing(steps, any_far, table, missing)
+            steps[steps == _FAR] = 0
+        _add_products(steps, table, sums)
+        total += LagSums(sums.astype(np.int64), _possible(table, n_rows, n_columns) - missing)
+    return total
+
+
+_FAR = np.int32(-(1 << 31))
+"""Marks a difference that takes no part; no difference is as large."""
+
+
+def _possible(lags: NDArray[np.int64], n_rows: int, n_columns: int) -> NDArray[np.int64]:
+    """Return how many products there would be if none were left out, (n_lags, n_columns)."""
+    beyond = np.arange(n_columns)[None, :] + lags[:, 1:]
+    inside = (beyond >= 0) & (beyond < n_columns)
+    return inside.astype(np.int64) * np.maximum(n_rows - lags[:, :1], 0)
+
+
+# Loops over a row run along its columns, so that they fill vectors; taps are told apart afterwards.
+
+
+@njit(cache=True, nogil=True)
+def _add_cut(later, earlier, taps, cut, sums):  # type: ignore[no-untyped-def]
+    kept = np.empty(later.shape[1], np.int32)
+    for n in range(later.shape[0]):
+        one, other = later[n], earlier[n]
+        for i in range(len(kept)):
+            d = np.int32(one[i]) - np.int32(other[i])
+            kept[i] = min(max(np.int32(d), np.int32(-cut[i])), cut[i])
+        for t in range(taps.shape[0]):
+            sums[n, t] = _sum(kept, taps[t, 0], taps[t, 1], taps[t, 2])
+
+
+@njit(cache=True, nogil=True)
+def _add_within(later, earlier, taps, limit, centre, sums, counts):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
+    kept, near = np.empty(later.shape[1], np.int32), np.empty(later.shape[1], np.int32)
+    shared = np.empty(later.shape[1], np.int32)
+    for n in range(later.shape[0]):
+        one, other = later[n], earlier[n]
+        _fill(shared, taps, centre[n])
+        for i in range(len(kept)):
+            d = np.int32(np.int32(one[i]) - np.int32(other[i]))
+            rest = np.int32(np.int32(64) * d - shared[i])
+            inside = (rest <= limit[i]) & (rest >= -limit[i])
+            kept[i] = d if inside else np.int32(0)
+            near[i] = np.int32(1) if inside else np.int32(0)
+        for t in range(taps.shape[0]):
+            sums[n, t] = _sum(kept, taps[t, 0], taps[t, 1], taps[t, 2])
+            counts[n, t] = _sum(near, taps[t, 0], taps[t, 1], taps[t, 2])
+
+
+@njit(cache=True, nogil=True)
+def _residuals(later, earlier, taps, limit, centre, steps):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
+    any_far = np.zeros(later.shape[0], np.bool_)
+    shared = np.empty(later.shape[1], np.int32)
+    for n in range(later.shape[0]):
+        one, other, left = later[n], earlier[n], steps[n]
+        _fill(shared, taps, centre[n])
+        lowest = np.int32(0)
+        for i in range(len(shared)):
+            d = np.int32(np.int32(one[i]) - np.int32(other[i]))
+            rest = np.int32(np.int32(64) * d - shared[i])
+            inside = (rest <= limit[i]) & (rest >= -limit[i])
+            rest = rest if inside else _FAR
+            left[i] = rest
+            lowest = min(lowest, rest)
+        any_far[n] = lowest == _FAR
+    return any_far
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _fill(shared, taps, centre):  # type: ignore[no-untyped-def]
+    for t in range(taps.shape[0]):
+        for i in range(taps[t, 0], taps[t, 1], taps[t, 2]):
+            shared[i] = centre[t]
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _sum(values, first, stop, step):  # type: ignore[no-untyped-def]
+    total = np.int64(0)
+    for i in range(first, stop, step):
+        total += values[i]
+    return total
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def _add_products(steps, lags, sums):  # type: ignore[no-untyped-def]
+    n_rows, n_columns = steps.shape
+    for left in range(0, n_columns, _TILE):
+        right = min(left + _TILE, n_columns)
+        for k in range(lags.shape[0]):
+            down, along = lags[k, 0], lags[k, 1]
+            here = slice(max(left, -along), min(right, n_columns - along))
+            there = slice(here.start + along, here.stop + along)
+            total, n = sums[k, here], 0
+            while n + down + 3 < n_rows:
+                _add_four(steps[n : n + 4, here], steps[n + down : n + down + 4, there], total)
+                n += 4
+            while n + down < n_rows:
+                one, other = steps[n, here], steps[n + down, there]
+                for i in range(len(total)):
+                    total[i] += np.float64(one[i]) * np.float64(other[i])
+                n += 1
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"}, inline="always")
+def _add_four(ones, others, total):  # type: ignore[no-untyped-def]
+    a, b, c, d = ones[0], ones[1], ones[2], ones[3]
+    e, f, g, h = others[0], others[1], others[2], others[3]
+    for i in range(len(total)):
+        total[i] += (
+            np.float64(a[i]) * np.float64(e[i]) + np.float64(b[i]) * np.float64(f[i])
+            + np.float64(c[i]) * np.float64(g[i]) + np.float64(d[i]) * np.float64(h[i])
+        )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def _count_missing(steps, any_far, lags, missing):  # type: ignore[no-untyped-def]
+    n_rows, n_columns = steps.shape
+    for k in range(lags.shape[0]):
+        down, along = lags[k, 0], lags[k, 1]
+        for n in range(n_rows - down):
+            if any_far[n] or any_far[n + down]:
+                for i in range(max(0, -along), min(n_columns, n_columns - along)):
+                    missing[k, i] += steps[n, i] == _FAR or steps[n + down, i + along] == _FAR

@@ -1,0 +1,1 @@
+"""Photon transfer: how variance, and covariance of neighbours, grow with the signal."""
