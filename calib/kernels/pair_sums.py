@@ -136,10 +136,11 @@ def lag_sums(
     shape = (len(lags), n_columns)
     table = np.array(lags, np.int64).reshape(-1, 2)
     total = LagSums.zero(*shape)
+    buffer = np.empty((min(_ROWS, len(later)), n_columns), np.int32)
     for first in range(0, len(later), _ROWS):
         rows = slice(first, min(first + _ROWS, len(later)))
         n_rows = rows.stop - first
-        steps = np.empty((n_rows, n_columns), np.int32)
+        steps = buffer[:n_rows]
         any_far = _residuals(later[rows], earlier[rows], taps.runs, limit, centre[rows], steps)
         sums, missing = np.zeros(shape), np.zeros(shape, np.int64)
         if any_far.any():
@@ -178,7 +179,8 @@ def _add_cut(later, earlier, taps, cut, sums):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _add_within(later, earlier, taps, limit, centre, sums, counts):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
-    kept, near = np.empty(later.shape[1], np.int32), np.empty(later.shape[1], np.int32)
+    # A difference and a count of one in the upper half: one sum for both, exact up to 2³¹.
+    kept = np.empty(later.shape[1], np.int64)
     shared = np.empty(later.shape[1], np.int32)
     for n in range(later.shape[0]):
         one, other = later[n], earlier[n]
@@ -187,11 +189,11 @@ def _add_within(later, earlier, taps, limit, centre, sums, counts):  # type: ign
             d = np.int32(np.int32(one[i]) - np.int32(other[i]))
             rest = np.int32(np.int32(64) * d - shared[i])
             inside = (rest <= limit[i]) & (rest >= -limit[i])
-            kept[i] = d if inside else np.int32(0)
-            near[i] = np.int32(1) if inside else np.int32(0)
+            kept[i] = (np.int64(d) + (np.int64(1) << 32)) if inside else np.int64(0)
         for t in range(taps.shape[0]):
-            sums[n, t] = _sum(kept, taps[t, 0], taps[t, 1], taps[t, 2])
-            counts[n, t] = _sum(near, taps[t, 0], taps[t, 1], taps[t, 2])
+            total = _sum(kept, taps[t, 0], taps[t, 1], taps[t, 2])
+            counts[n, t] = (total + (np.int64(1) << 31)) >> 32
+            sums[n, t] = total - (counts[n, t] << 32)
 
 
 @njit(cache=True, nogil=True)
@@ -223,29 +225,54 @@ def _fill(shared, taps, centre):  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True, inline="always")
 def _sum(values, first, stop, step):  # type: ignore[no-untyped-def]
     total = np.int64(0)
-    for i in range(first, stop, step):
-        total += values[i]
+    if step == 1:
+        for i in range(first, stop):
+            total += values[i]
+    elif step == 2:
+        for i in range((stop - first + 1) // 2):
+            total += values[first + 2 * i]
+    else:
+        for i in range(first, stop, step):
+            total += values[i]
     return total
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
 def _add_products(steps, lags, sums):  # type: ignore[no-untyped-def]
+    """Add products up four rows at a time, turned into numbers of double precision once."""
     n_rows, n_columns = steps.shape
+    reach, deepest = np.abs(lags[:, 1]).max(), lags[:, 0].max()
+    wide = np.empty((4 + deepest, _TILE + 2 * reach))
     for left in range(0, n_columns, _TILE):
         right = min(left + _TILE, n_columns)
-        for k in range(lags.shape[0]):
-            down, along = lags[k, 0], lags[k, 1]
-            here = slice(max(left, -along), min(right, n_columns - along))
-            there = slice(here.start + along, here.stop + along)
-            total, n = sums[k, here], 0
-            while n + down + 3 < n_rows:
-                _add_four(steps[n : n + 4, here], steps[n + down : n + down + 4, there], total)
-                n += 4
-            while n + down < n_rows:
-                one, other = steps[n, here], steps[n + down, there]
-                for i in range(len(total)):
-                    total[i] += np.float64(one[i]) * np.float64(other[i])
-                n += 1
+        start, stop = max(0, left - reach), min(n_columns, right + reach)
+        for n in range(0, n_rows, 4):
+            last = min(n + 4 + deepest, n_rows)
+            for k in range(n, last):
+                _widen(steps[k, start:stop], wide[k - n])
+            for k in range(lags.shape[0]):
+                down, along = lags[k, 0], lags[k, 1]
+                here, beyond = max(left, -along), min(right, n_columns - along)
+                one = wide[:, here - start : beyond - start]
+                other = wide[down:, here - start + along : beyond - start + along]
+                total = sums[k, here:beyond]
+                if n + 4 + down <= n_rows:
+                    _add_four(one[:4], other[:4], total)
+                else:
+                    for r in range(n_rows - n - down):
+                        _add_row(one[r], other[r], total)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _widen(steps, wide):  # type: ignore[no-untyped-def]
+    for i in range(len(steps)):
+        wide[i] = np.float64(steps[i])
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"}, inline="always")
+def _add_row(one, other, total):  # type: ignore[no-untyped-def]
+    for i in range(len(total)):
+        total[i] += one[i] * other[i]
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"}, inline="always")
@@ -253,10 +280,7 @@ def _add_four(ones, others, total):  # type: ignore[no-untyped-def]
     a, b, c, d = ones[0], ones[1], ones[2], ones[3]
     e, f, g, h = others[0], others[1], others[2], others[3]
     for i in range(len(total)):
-        total[i] += (
-            np.float64(a[i]) * np.float64(e[i]) + np.float64(b[i]) * np.float64(f[i])
-            + np.float64(c[i]) * np.float64(g[i]) + np.float64(d[i]) * np.float64(h[i])
-        )  # fmt: skip
+        total[i] += (a[i] * e[i] + b[i] * f[i]) + (c[i] * g[i] + d[i] * h[i])
 
 
 @njit(cache=True, nogil=True)
