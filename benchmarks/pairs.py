@@ -7,8 +7,9 @@ from benchmarks.race import race
 from benchmarks.row import Row
 from benchmarks.size import Size
 from calib.arrays import RawLines
+from calib.kernels.difference_sums import TapRuns
 from calib.kernels.noise import draw_codes
-from calib.kernels.pair_sums import TapRuns, first_row_sums, lag_sums, row_sums
+from calib.kernels.pair_sums import first_row_sums, lag_sums, row_sums
 
 LAGS = ((0, 0), (0, 1), (0, 2), (1, 0))
 LEAST_TIMES_NUMPY = 1.3

@@ -6,18 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.arrays import RawLines
+from calib.kernels.difference_sums import STEPS_PER_DN, Lag, LagSums, RowSums, Steps, TapRuns
 from calib.kernels.line_sums import LineSums
-from calib.kernels.pair_sums import (
-    STEPS_PER_DN,
-    Lag,
-    LagSums,
-    RowSums,
-    Steps,
-    TapRuns,
-    first_row_sums,
-    lag_sums,
-    row_sums,
-)
+from calib.kernels.pair_sums import first_row_sums, lag_sums, row_sums
 from calib.kernels.sums import line_sums
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.arrays import Columns
-from calib.forward.taps import tap_of_column
-from calib.kernels.pair_sums import Lag, TapRuns
+from calib.forward.taps import tap_of_pixel
+from calib.kernels.difference_sums import Lag, TapRuns
 from calib.recording.header import Block, CameraHeader
 
 BANDS = 16
@@ -40,14 +40,11 @@ class CellLayout:
     @classmethod
     def of(cls, camera: CameraHeader) -> "CellLayout":
         """Return the cells of a camera's sensor."""
-        if camera.rows is None:
-            tap = tap_of_column(_line_layout(camera), camera.columns)[None, :]
-            edges: tuple[int, ...] = (0, 1)
-        else:
-            edges = _bands(camera.rows)
-            tap = _area_taps(camera, edges)
+        rows = camera.rows
+        edges = (0, 1) if rows is None else _bands(rows)
+        tap = taps_of_camera(camera).reshape(rows or 1, camera.columns)[list(edges[:-1])]
         crosses = camera.tap_layout == "odd_even"
-        return cls(camera.columns, edges, tap, camera.rows is not None, crosses)
+        return cls(camera.columns, edges, tap, rows is not None, crosses)
 
     @property
     def n_bands(self) -> int:
@@ -133,20 +130,14 @@ class BlockCells:
 
 def _bands(rows: int) -> tuple[int, ...]:
     each = max(1, min(BANDS // 2, rows // (2 * SHORTEST_BAND)))
-    upper = np.linspace(0, rows // 2, each + 1).round().astype(int)
-    lower = np.linspace(rows // 2, rows, each + 1).round().astype(int)
+    middle = (rows + 1) // 2  # where `tap_of_pixel` has the lower taps begin
+    upper = np.linspace(0, middle, each + 1).round().astype(int)
+    lower = np.linspace(middle, rows, each + 1).round().astype(int)
     return tuple(int(k) for k in np.unique(np.concatenate([upper, lower])))
 
 
-def _line_layout(camera: CameraHeader) -> str:
-    return "single" if camera.taps == 1 else camera.tap_layout
-
-
-def _area_taps(camera: CameraHeader, edges: tuple[int, ...]) -> NDArray[np.intp]:
-    """Return the tap of each cell; quadrants are counted left to right, then down."""
-    if camera.tap_layout != "quadrants" or camera.taps == 1:
-        row = tap_of_column(_line_layout(camera), camera.columns)
-        return np.tile(row, (len(edges) - 1, 1))
-    right = tap_of_column("halves", camera.columns)
-    lower = np.array(edges[:-1]) >= edges[-1] // 2
-    return right[None, :] + 2 * lower[:, None].astype(np.intp)
+def taps_of_camera(camera: CameraHeader) -> NDArray[np.intp]:
+    """Return the tap of every pixel, row by row."""
+    shape = camera.columns if camera.rows is None else (camera.rows, camera.columns)
+    layout = "single" if camera.taps == 1 else camera.tap_layout
+    return tap_of_pixel(layout, shape).ravel()

@@ -11,6 +11,7 @@ from enum import Enum
 
 import numpy as np
 
+from calib.transfer.photon_transfer.curve_data import CurveData
 from calib.transfer.photon_transfer.gauss_newton import Matrix, Solution, Vector, solve
 from calib.transfer.photon_transfer.means import Means
 from calib.transfer.photon_transfer.overdispersion import (
@@ -94,80 +95,9 @@ class CurveFit:
         return float(np.sqrt(self.covariance[k, k]))
 
 
-@dataclass(frozen=True)
-class _Data:
-    """What is fitted, and the sizes that parameters have."""
-
-    points: Points
-    means: Means | None
-    names: tuple[str, ...]
-
-    @property
-    def scale(self) -> Vector:
-        """A typical size of every parameter."""
-        top = max(float(np.nanmax(self.points.signal_dn)), 1.0)
-        gain = max(float(np.median(self.points.variance_dn2)) / top, 1e-4)
-        sizes = {
-            "system_gain": gain,
-            "read_variance_dn2": max(float(self.points.variance_dn2.min()), 0.1),
-            "beta_per_dn": 0.1 / top,
-            "a00_per_e": 0.1 * gain / top,
-            "curvature": 0.1 * gain / top,
-        }
-        own = [sizes[n] for n in self.names]
-        if self.means is None:
-            return np.array(own)
-        return np.array(own + self._responses() + [0.01 * float(self.means.exposure_us.max())])
-
-    def _responses(self) -> list[float]:
-        assert self.means is not None  # noqa: S101 - asked for only with means
-        m = self.means
-        return [
-            float(np.mean(m.signal_dn[m.group == g] / m.exposure_us[m.group == g]))
-            for g in range(m.n_groups)
-        ]
-
-    @property
-    def start(self) -> Vector:
-        """A straight line through the variances, and straight responses."""
-        found = np.zeros(len(self.scale))
-        v, s = self.points.variance_dn2, self.points.signal_dn
-        weight = self.points.square_factor**-0.5 / np.maximum(v, 1e-3)
-        design = np.stack([s, np.ones(len(s))], axis=1) * weight[:, None]
-        found[:2] = np.linalg.lstsq(design, (v - 1.0 / 12.0) * weight, rcond=None)[0]
-        found[0] = max(found[0], 1e-3 * self.scale[0])
-        if self.means is not None:
-            found[len(self.names) : -1] = self._responses()
-        return found
-
-    def shape(self, parameters: Vector) -> Shape:
-        """Return the curve."""
-        return Shape(**dict(zip(self.names, map(float, parameters), strict=False)))
-
-    def variance_errors(self, shape: Shape) -> tuple[Vector, Vector, Vector]:
-        """Return residuals of the variances, their variances by statistics, and V²."""
-        p = self.points
-        expected = shape.variance(p.signal_dn)
-        own = p.square_factor * expected**2
-        own += p.cumulant_factor * shape.fourth_cumulant(p.signal_dn)
-        return p.variance_dn2 - expected, own, expected**2
-
-    def mean_errors(self, parameters: Vector) -> tuple[Vector, Vector, Vector]:
-        """Return residuals of the means, their variances by statistics, and s²; none without."""
-        m = self.means
-        if m is None:
-            return np.empty(0), np.empty(0), np.empty(0)
-        shape = self.shape(parameters)
-        rate, offset = parameters[len(self.names) : -1], parameters[-1]
-        linear = rate[m.group] * (m.exposure_us + offset)
-        expected = shape.mean(linear, m.spread)
-        own = shape.variance(expected) / m.samples
-        return m.signal_dn - expected, own, expected**2
-
-
 def fit_curve(points: Points, means: Means | None, model: Model) -> CurveFit:
     """Fit `model` to a tap's points, and to its means where there are any."""
-    data = _Data(points, means, ("system_gain", "read_variance_dn2", *model.value))
+    data = CurveData(points, means, ("system_gain", "read_variance_dn2", *model.value))
     at, scale = data.start, data.scale
     tau2, eta2 = np.zeros(len(points)), 0.0
     for _ in range(_ROUNDS):
@@ -190,7 +120,7 @@ def fit_curve(points: Points, means: Means | None, model: Model) -> CurveFit:
     return _result(data, model, solution, by_variance, by_mean)
 
 
-def _excesses(data: _Data, at: Vector, model: Model) -> tuple[ByLight, Excess | None]:
+def _excesses(data: CurveData, at: Vector, model: Model) -> tuple[ByLight, Excess | None]:
     """Return τ and η; β counts against the means where there are any."""
     bend_in_means = data.means is not None and "beta_per_dn" in model.value
     n_curve = len(data.names) - bend_in_means
@@ -203,7 +133,7 @@ def _excesses(data: _Data, at: Vector, model: Model) -> tuple[ByLight, Excess | 
 
 
 def _result(
-    data: _Data, model: Model, solution: Solution, by_variance: ByLight, by_mean: Excess | None
+    data: CurveData, model: Model, solution: Solution, by_variance: ByLight, by_mean: Excess | None
 ) -> CurveFit:
     at, n_curve = solution.parameters, len(data.names)
     shape = data.shape(at)

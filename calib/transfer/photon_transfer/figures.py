@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from calib.arrays import Columns
-from calib.kernels.pair_sums import Lag
+from calib.kernels.difference_sums import Lag
 from calib.radiometric.report.style import BLUE, CYCLE, GREEN, GREY, ORANGE, new_figure
 from calib.transfer.photon_transfer.curve_fit import CurveFit, Model
 from calib.transfer.photon_transfer.tap_transfer import TapTransfer

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.arrays import Columns
-from calib.kernels.pair_sums import STEPS_PER_DN, Lag, Steps
+from calib.kernels.difference_sums import STEPS_PER_DN, Lag, Steps
 from calib.recording.header import Block
 from calib.transfer.photon_transfer.band_sums import BandSums
 from calib.transfer.photon_transfer.cells import BlockCells, CellLayout

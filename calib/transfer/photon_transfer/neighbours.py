@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.arrays import Columns
-from calib.kernels.pair_sums import Lag
+from calib.kernels.difference_sums import Lag
 from calib.transfer.photon_transfer.points import Points
 
 

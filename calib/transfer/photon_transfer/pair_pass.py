@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.arrays import RawLines
-from calib.kernels.pair_sums import Lag, Steps
+from calib.kernels.difference_sums import Lag, Steps
 from calib.recording.header import Block
 from calib.recording.protocol import Recording
 from calib.recording.statistics import CancelledError, Progress, never

@@ -8,11 +8,10 @@ from numpy.typing import NDArray
 
 from calib.arrays import Columns
 from calib.errors import NotDeterminedError
-from calib.forward.taps import tap_of_column
 from calib.recording.block_statistics import BlockStatistics
 from calib.recording.header import Block, CameraHeader, RecordingHeader
 from calib.recording.statistics_csv import StatisticsRow
-from calib.transfer.photon_transfer.cells import BlockCells, CellLayout
+from calib.transfer.photon_transfer.cells import BlockCells, CellLayout, taps_of_camera
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,7 @@ def from_column_statistics(
     """
     chosen = [s for s in statistics if s.block.kind != "scene" and s.n_lines > 0]
     n_cells = camera.columns * (camera.rows or 1)
-    tap = _tap_of_cells(camera)
+    tap = taps_of_camera(camera)
     blocks = tuple(
         _block(
             s.block,
@@ -146,14 +145,3 @@ def _freedom(row: StatisticsRow, block: Block) -> float:
 
 def _pixels_of(row: StatisticsRow, block: Block) -> float:
     return row.samples / (block.lines or 1)
-
-
-def _tap_of_cells(camera: CameraHeader) -> NDArray[np.intp]:
-    """Return the tap of each column, or of each pixel row by row."""
-    columns = np.arange(camera.columns)
-    if camera.tap_layout == "quadrants" and camera.rows is not None and camera.taps > 1:
-        right = tap_of_column("halves", camera.columns)
-        lower = np.arange(camera.rows) >= camera.rows // 2
-        return (right[None, :] + 2 * lower[:, None]).astype(np.intp).ravel()
-    layout = "single" if camera.taps == 1 else camera.tap_layout
-    return np.tile(tap_of_column(layout, len(columns)), camera.rows or 1)

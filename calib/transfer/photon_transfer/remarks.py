@@ -5,9 +5,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from calib.transfer.photon_transfer.curve_fit import Model
+from calib.transfer.photon_transfer.estimates import NO_DARKS
 from calib.transfer.photon_transfer.points import Curve
 from calib.transfer.photon_transfer.recorded_cells import RecordedCells
-from calib.transfer.photon_transfer.tap_transfer import NO_DARKS, TapTransfer
+from calib.transfer.photon_transfer.tap_transfer import TapTransfer
 
 _SEEN_SIGMA = 5.0
 _MANY_REJECTED = 1e-3

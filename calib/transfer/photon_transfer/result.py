@@ -8,15 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.transfer.estimate import Estimate
+from calib.transfer.photon_transfer.estimates import gain_estimate, read_noise_dn, read_noise_e
 from calib.transfer.photon_transfer.points import Curve
 from calib.transfer.photon_transfer.recorded_cells import RecordedCells
 from calib.transfer.photon_transfer.remarks import remarks
-from calib.transfer.photon_transfer.tap_transfer import (
-    TapTransfer,
-    gain_estimate,
-    read_noise_dn,
-    read_noise_e,
-)
+from calib.transfer.photon_transfer.tap_transfer import TapTransfer
 
 
 @dataclass(frozen=True)

@@ -10,16 +10,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.transfer.estimate import Estimate
-from calib.transfer.photon_transfer.astier import AstierFit, Form, fit_astier
+from calib.transfer.photon_transfer.astier import AstierFit, fit_astier
+from calib.transfer.photon_transfer.charge_covariance import Form
 from calib.transfer.photon_transfer.choice import Choice, choose
 from calib.transfer.photon_transfer.curve_fit import CurveFit, Model
+from calib.transfer.photon_transfer.estimates import gain_estimate, read_noise_dn, read_noise_e
 from calib.transfer.photon_transfer.means import Means, means_of
 from calib.transfer.photon_transfer.neighbours import Neighbours, nearest_sigma, neighbours_of
 from calib.transfer.photon_transfer.points import Points
+from calib.transfer.photon_transfer.told import (
+    model_answer,
+    neighbour_answer,
+    number,
+    series_answer,
+)
 from calib.transfer.photon_transfer.turn_off import UsedRange
 from calib.transfer.photon_transfer.variance_curve import Shape
 
-NO_DARKS = "there are no darks: the read noise is what they have, and the signal counts from them"
 _BENT_BY_CHARGE = (Model.BRIGHTER_FATTER, Model.NONLINEAR_AND_BRIGHTER_FATTER)
 
 
@@ -91,14 +98,14 @@ class TapTransfer:
             "model": choice.called_for.label,
             "model_of_gain": choice.used.label,
             "why": choice.why,
-            "beta_sigma": _number(choice.beta_sigma),
-            "a00_sigma": _number(choice.a00_sigma),
-            "bend_sigma": _number(choice.bend_sigma),
-            "models": {m.label: _model_answer(f) for m, f in choice.fits.items()},
-            "brighter_fatter_series": {f.value: _series_answer(a) for f, a in self.astier.items()},
-            "neighbours": [_neighbour_answer(n) for n in self.neighbours],
-            "turn_off_dn": _number(turn_off),
-            "range_dn": [_number(self.used.lowest_dn), _number(self.used.highest_dn)],
+            "beta_sigma": number(choice.beta_sigma),
+            "a00_sigma": number(choice.a00_sigma),
+            "bend_sigma": number(choice.bend_sigma),
+            "models": {m.label: model_answer(f) for m, f in choice.fits.items()},
+            "brighter_fatter_series": {f.value: series_answer(a) for f, a in self.astier.items()},
+            "neighbours": [neighbour_answer(n) for n in self.neighbours],
+            "turn_off_dn": number(turn_off),
+            "range_dn": [number(self.used.lowest_dn), number(self.used.highest_dn)],
             "points": int(self.used.use.sum()),
         }
 
@@ -147,82 +154,3 @@ def _by_beta(fit: CurveFit) -> NDArray[np.float64]:
         return np.zeros(2)
     k = fit.names.index("beta_per_dn")
     return np.asarray(fit.covariance[:2, k] / math.sqrt(fit.covariance[k, k]))
-
-
-def gain_estimate(value: NDArray[np.float64], covariance: NDArray[np.float64]) -> Estimate:
-    """Return K."""
-    if not np.isfinite(covariance[0, 0]):
-        reason = "the variance does not grow over the signals that were recorded"
-        return Estimate.unknown("DN/e-", reason)
-    return Estimate(float(value[0]), math.sqrt(covariance[0, 0]), "DN/e-")
-
-
-def read_noise_dn(
-    value: NDArray[np.float64], covariance: NDArray[np.float64], has_darks: bool
-) -> Estimate:
-    """Return σ_r."""
-    if not has_darks:
-        return Estimate.unknown("DN", NO_DARKS)
-    if value[1] <= 0 or not np.isfinite(covariance[1, 1]):
-        return Estimate.unknown("DN", "the variance at no signal is not above that of rounding")
-    sigma = math.sqrt(value[1])
-    return Estimate(sigma, math.sqrt(covariance[1, 1]) / (2.0 * sigma), "DN")
-
-
-def read_noise_e(
-    value: NDArray[np.float64], covariance: NDArray[np.float64], has_darks: bool
-) -> Estimate:
-    """Return σ_r / K, with the covariance of σ_r² and K."""
-    in_dn = read_noise_dn(value, covariance, has_darks)
-    gain = gain_estimate(value, covariance)
-    for part in (in_dn, gain):
-        if not part.is_known:
-            return Estimate.unknown("e-", part.reason)
-    found = in_dn.value / gain.value
-    slope = np.array([-found / gain.value, 1.0 / (2.0 * in_dn.value * gain.value)])
-    return Estimate(found, math.sqrt(slope @ covariance @ slope), "e-")
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
-
-
-def _model_answer(fit: CurveFit) -> dict[str, Any]:
-    told: dict[str, Any] = {
-        name: {"value": getattr(fit.shape, name), "std": _number(fit.std(name))}
-        for name in fit.names
-    }
-    mean = fit.mean_excess
-    return {
-        **told,
-        "deviance": _number(fit.deviance),
-        "aicc": _number(fit.aicc),
-        "parameters": fit.n_parameters,
-        "overdispersion_of_flats": fit.variance_excess.flats.relative,
-        "overdispersion_of_darks": fit.variance_excess.darks.relative,
-        "unrest_of_means": None if mean is None else mean.relative,
-    }
-
-
-def _series_answer(fit: AstierFit) -> dict[str, Any]:
-    def rows(kernel: NDArray[np.float64]) -> list[list[float | None]]:
-        return [[_number(v) for v in row] for row in kernel.tolist()]
-
-    return {
-        "system_gain_dn_per_e": {"value": fit.system_gain, "std": _number(fit.system_gain_std)},
-        "a_per_e": rows(fit.a_per_e),
-        "a_per_e_std": rows(fit.a_std),
-        "b_per_e": rows(fit.b_per_e),
-        "chi_squared": _number(fit.chi_squared),
-        "freedom": fit.freedom,
-    }
-
-
-def _neighbour_answer(found: Neighbours) -> dict[str, Any]:
-    return {
-        "lag_rows_columns": list(found.lag),
-        "correlation": {
-            "value": _number(found.correlation), "std": _number(found.correlation_std)
-        },
-        "growth_per_e": {"value": _number(found.growth_per_e), "std": _number(found.growth_std)},
-    }  # fmt: skip

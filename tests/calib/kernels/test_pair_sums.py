@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from calib.kernels.pair_sums import LagSums, TapRuns, first_row_sums, lag_sums, row_sums
+from calib.kernels.difference_sums import LagSums, TapRuns
+from calib.kernels.pair_sums import first_row_sums, lag_sums, row_sums
 
 LAGS = ((0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, -1), (2, -2))
 

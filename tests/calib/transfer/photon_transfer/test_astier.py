@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from calib.transfer.photon_transfer.astier import Form, covariance_model
+from calib.transfer.photon_transfer.charge_covariance import Form, covariance_model
 from calib.transfer.photon_transfer.measure import photon_transfer
 from calib.transfer.photon_transfer.variance_curve import Shape
 from tests.calib.transfer.photon_transfer.simulated import A_PER_E, GAIN, recording
