@@ -8,7 +8,7 @@ import tty
 from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Event, Thread
+from threading import Condition, Thread
 from typing import Protocol
 
 from drivers.mock.emulators.line_faults import LineFaults
@@ -38,7 +38,7 @@ class EmulatedDevice(Protocol):
 
 
 class PtyLine:
-    """Serves `device` in a thread of its own.
+    """Serves `device` in a thread of its own, which alone plugs the line in and out.
 
     `path` is a link to the present pseudo-terminal, and stays the same when the device vanishes
     and returns, as the links of /dev/serial/by-id do. The slave side is held open here: otherwise
@@ -58,36 +58,26 @@ class PtyLine:
         self._heard: deque[tuple[float, bytes]] = deque()  # when it has arrived whole
         self._said: deque[tuple[float, bytes]] = deque()  # when its last character may leave
         self._speaking_until = 0.0
-        self._present = Event()
-        self._stopping = Event()
-        self._absent = Event()
-        self.come_back()
+        self._order = Condition()  # guards the two below, and tells when they agree
+        self._is_wanted = True
+        self._is_stopping = False
+        self._plug_in()
         self._thread = Thread(target=self._serve, name=f"emulator {path.name}", daemon=True)
         self._thread.start()
 
     def vanish(self) -> None:
         """Pull the plug of the line; the device keeps its power, and goes on with what it does."""
-        self._present.clear()
-        self._absent.wait()
+        self._have(plugged_in=False)
 
     def come_back(self) -> None:
         """Plug the line in again, on another pseudo-terminal behind the same path."""
-        if self._ends is not None:
-            return
-        master, slave = os.openpty()
-        tty.setraw(slave)
-        os.set_blocking(master, False)
-        part = self.path.with_name(f".{self.path.name}.part")
-        part.unlink(missing_ok=True)
-        part.symlink_to(os.ttyname(slave))
-        part.replace(self.path)
-        self._ends = (master, slave)
-        self._absent.clear()
-        self._present.set()
+        self._have(plugged_in=True)
 
     def stop(self) -> None:
         """Have the thread end soon; `close` waits for it."""
-        self._stopping.set()
+        with self._order:
+            self._is_stopping = True
+            self._order.notify_all()
 
     def close(self) -> None:
         """Stop serving; safe to call twice."""
@@ -95,29 +85,49 @@ class PtyLine:
         self._thread.join()
         self._unplug()
 
-    def _serve(self) -> None:
-        while not self._stopping.is_set():
-            if not self._present.is_set():
-                self._unplug()
-                self._absent.set()
-                self.device.tick()
-                time.sleep(_IDLE_S)
-                continue
-            self._serve_once()
+    def _have(self, *, plugged_in: bool) -> None:
+        """Return once it is so, or the thread has ended."""
+        with self._order:
+            self._is_wanted = plugged_in
+            self._order.notify_all()
+            self._order.wait_for(
+                lambda: self._is_stopping or (self._ends is not None) == plugged_in
+            )
 
-    def _serve_once(self) -> None:
+    def _serve(self) -> None:
+        while True:
+            with self._order:
+                if self._is_stopping:
+                    return
+                self._obey()
+                if self._ends is None:
+                    self._order.wait(_IDLE_S)
+            if self._ends is None:
+                self.device.tick()
+            else:
+                self._serve_once(self._ends[0])
+
+    def _obey(self) -> None:
+        """Plug in or out as is wanted."""
+        if self._is_wanted == (self._ends is not None):
+            return
+        if self._is_wanted:
+            self._plug_in()
+        else:
+            self._unplug()
+        self._order.notify_all()
+
+    def _serve_once(self, master: int) -> None:
         now = time.monotonic()
         while self._heard and self._heard[0][0] <= now:
             self._answer(self._heard.popleft()[1])
         while self._said and self._said[0][0] <= now:
             self._send(self._said.popleft()[1])
         self.device.tick()
-        if self._ends is None:
-            return
         due = [queue[0][0] for queue in (self._heard, self._said) if queue]
         wait_s = min([_IDLE_S, *(max(moment - time.monotonic(), 0.0) for moment in due)])
-        if select.select([self._ends[0]], [], [], wait_s)[0]:
-            self._hear(self._ends[0])
+        if select.select([master], [], [], wait_s)[0]:
+            self._hear(master)
 
     def _hear(self, master: int) -> None:
         data = os.read(master, 4096)
@@ -142,6 +152,16 @@ class PtyLine:
                 os.write(self._ends[0], data)
             except BlockingIOError:
                 termios.tcflush(self._ends[1], termios.TCIFLUSH)  # nobody reads: it is lost
+
+    def _plug_in(self) -> None:
+        master, slave = os.openpty()
+        tty.setraw(slave)
+        os.set_blocking(master, False)
+        part = self.path.with_name(f".{self.path.name}.part")
+        part.unlink(missing_ok=True)
+        part.symlink_to(os.ttyname(slave))
+        part.replace(self.path)
+        self._ends = (master, slave)
 
     def _unplug(self) -> None:
         self._heard.clear()
