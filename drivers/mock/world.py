@@ -22,6 +22,7 @@ _HEADER = struct.Struct("<qqdddd")  # sequence, n_lamps, cap: from, to, at; sens
 _CAP = struct.Struct("<ddd")
 _CAP_AT, _TEMPERATURE_AT = 16, 40
 _LAMP = struct.Struct("<dddd")  # start, target, since, tau
+_LOOKS = 20  # a write takes a few microseconds
 
 
 @dataclass(frozen=True)
@@ -57,9 +58,11 @@ class WorldState:
 
 
 class World:
-    """Writers take turns by a lock on the file; readers retry while a write is under way.
+    """Writers take turns by a lock on the file; readers look again while a write is under way.
 
     The file's lock keeps processes apart (and Worlds opened twice in one), `_writing` threads.
+    A reader that looked in vain takes its turn as a writer would: a busy machine may have put the
+    writer to sleep in the middle, and the lock tells that from a writer that died there.
     """
 
     def __init__(self, path: Path) -> None:
@@ -80,13 +83,14 @@ class World:
 
     def state(self) -> WorldState:
         """Return a consistent snapshot."""
-        for _ in range(1000):
+        for _ in range(_LOOKS):
             data = bytes(self._map)
-            sequence = _HEADER.unpack_from(data)[0]
-            if sequence % 2 == 0 and _HEADER.unpack_from(self._map)[0] == sequence:
-                break
+            if _is_whole(data) and data[:8] == self._map[:8]:
+                return self._unpack(data)
             time.sleep(1e-4)
-        else:
+        with self._exclusively():
+            data = bytes(self._map)
+        if not _is_whole(data):
             raise OSError(f"{self.path}: a writer died in the middle of a write; make it anew")
         return self._unpack(data)
 
@@ -137,3 +141,8 @@ class World:
         struct.pack_into("<q", self._map, 0, sequence)
         self._map[offset : offset + len(data)] = data
         struct.pack_into("<q", self._map, 0, sequence + 1)
+
+
+def _is_whole(data: bytes) -> bool:
+    """Whether no write was under way: the sequence is even."""
+    return data[0] % 2 == 0

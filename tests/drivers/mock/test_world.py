@@ -1,6 +1,7 @@
 """The world is whole in whatever order processes and threads write and read it."""
 
 import multiprocessing
+import struct
 import threading
 import time
 from pathlib import Path
@@ -57,24 +58,46 @@ def test_writer_that_died_in_the_middle_is_mended_by_the_next(world: World) -> N
     assert world.state().lamps[0].target == 1.0
 
 
-def _write_pairs(path: Path, lamp: int, stop: float) -> None:
+def test_reader_waits_for_a_writer_that_was_put_to_sleep_in_the_middle(world: World) -> None:
+    asleep, go_on = threading.Event(), threading.Event()
+
+    def write_slowly() -> None:
+        writer = World(world.path)
+        with writer._exclusively():
+            writer._map[0] |= 1
+            asleep.set()
+            assert go_on.wait(30)
+            writer._write(len(writer._map) - 24, struct.pack("<d", 0.7))  # the last lamp's target
+
+    writing = threading.Thread(target=write_slowly)
+    writing.start()
+    assert asleep.wait(30)
+    threading.Timer(0.2, go_on.set).start()  # long after a reader has looked in vain
+    assert world.state().lamps[2].target == 0.7
+    writing.join(30)
+
+
+def _write_pairs(path: Path, lamp: int, stop: Path) -> None:
     world = World(path)
-    while time.monotonic() < stop:
-        for value in (0.25, 0.75):
-            world.drive(lamp, value)
+    while not stop.exists():
+        for _ in range(50):
+            for value in (0.25, 0.75):
+                world.drive(lamp, value)
 
 
 def test_readers_never_see_half_a_write(world: World) -> None:
     # Two processes and a thread of this one write; every lamp read must be a value written.
-    stop = time.monotonic() + 1.0
+    stop = world.path.with_name("stop")
     context = multiprocessing.get_context("spawn")
     writers = [context.Process(target=_write_pairs, args=(world.path, i, stop)) for i in (0, 1)]
     writers_here = threading.Thread(target=_write_pairs, args=(world.path, 2, stop))
     for writer in (*writers, writers_here):
         writer.start()
-    while time.monotonic() < stop:
-        assert {lamp.target for lamp in world.state().lamps} <= {0.0, 0.25, 0.75}
-        time.sleep(0.0005)
+    while 0.0 in {lamp.target for lamp in world.state().lamps}:
+        time.sleep(0.01)  # until all of them write
+    for _ in range(2000):
+        assert {lamp.target for lamp in world.state().lamps} <= {0.25, 0.75}
+    stop.touch()
     for writer in (*writers, writers_here):
         writer.join(30)
     assert [writer.exitcode for writer in writers] == [0, 0]
