@@ -4,6 +4,7 @@ With DARKFLAT_NO_SKIPS=1 a skipped test fails: where everything is installed, a 
 """
 
 import os
+import signal
 from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         default=None,
         help="run the tests marked `hardware` on this bench; its lamps will burn",
     )
+
+
+def pytest_configure() -> None:
+    """A shell's background job ignores Ctrl-C, and so would all that tests start and interrupt."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
