@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from calib.recording.commit_log import commit_path
+from tests.service.sequencer.sweeping import NEVER_ENDING
 
 ROOT = Path(__file__).parents[3]
 
@@ -19,13 +20,14 @@ class Sweep:
     bench: Path
     plan: Path
     out: Path
-    deadline_s: float = 60.0
+    deadline_s: float = 240.0
 
-    def start(self, **options: Any) -> subprocess.Popen[bytes]:
-        """Begin or resume it in a process of its own."""
+    def start(self, *, ends: bool = True, **options: Any) -> subprocess.Popen[bytes]:
+        """Begin or resume it in a process of its own; unless it `ends` it waits to be killed."""
         command = [sys.executable, "-m", "tests.service.sequencer.sweeping"]
         files = [str(path) for path in (self.bench, self.plan, self.out)]
-        return subprocess.Popen([*command, *files], cwd=ROOT, **options)
+        never = [] if ends else [NEVER_ENDING]
+        return subprocess.Popen([*command, *files, *never], cwd=ROOT, **options)
 
     def acknowledged(self) -> list[bytes]:
         """Return the whole lines of the commit record so far."""
@@ -40,21 +42,26 @@ class Sweep:
     def kill_after(self, n_frames: int, delay_s: float) -> list[bytes]:
         """Kill the process `delay_s` after `n_frames` more were acknowledged; return the record.
 
-        Fails where the sweep came to its end before: that would have been no kill.
+        However late that is, it finds the process: the sweep waits within its last block.
         """
         until = self.frames() + n_frames
-        process = self.start()
-        give_up_s = time.monotonic() + self.deadline_s
+        process = self.start(ends=False)
         try:
-            while self.frames() < until and process.poll() is None:
-                assert time.monotonic() < give_up_s, "the sweep does not get on"
-                time.sleep(0.01)
+            self.wait_for(until, process)
             time.sleep(delay_s)
             assert process.poll() is None, "the sweep ended before it was killed"
         finally:
             process.kill()
             process.wait()
         return self.acknowledged()
+
+    def wait_for(self, n_frames: int, process: subprocess.Popen[bytes]) -> None:
+        """Return once `n_frames` are acknowledged; fails where `process` ended before."""
+        give_up_s = time.monotonic() + self.deadline_s
+        while self.frames() < n_frames:
+            assert process.poll() is None, "the sweep ended early"
+            assert time.monotonic() < give_up_s, "the sweep does not get on"
+            time.sleep(0.01)
 
     def finish(self) -> None:
         """Let it come to its end."""

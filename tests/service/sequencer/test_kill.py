@@ -6,7 +6,6 @@ and the same coefficients within their uncertainty.
 
 import json
 import random
-import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ from calib.recording.open import open_recording
 from drivers.mock.world import World
 from service.plan.expand import expand
 from service.plan.model import Plan
+from tests.contracts.simulated_camera import ADDRESS_WAIT_S
 from tests.service.sequencer.benches import SETTLES, assert_dark, in_process, whole_blocks
 from tests.service.sequencer.comparing import Agreement, compare
 from tests.service.sequencer.killing import Sweep
@@ -100,11 +100,14 @@ def test_a_killed_sweep_is_in_the_end_what_an_undisturbed_one_is(sweep: Sweep):
 
 
 def test_sigterm_leaves_the_lamps_off(sweep: Sweep):
-    process = sweep.start()
-    while sweep.frames() < 12 and process.poll() is None:
-        time.sleep(0.01)
-    process.terminate()
-    assert process.wait(30) == 128 + 15
+    process = sweep.start(ends=False)
+    try:
+        sweep.wait_for(12, process)
+        process.terminate()
+        assert process.wait(sweep.deadline_s) == 128 + 15
+    finally:
+        process.kill()
+        process.wait()
     world = World(sweep.out.with_name("world"))
     assert_dark(world)
     world.close()
@@ -125,7 +128,12 @@ FULL_SIZE = whole_sweep(
 def test_a_full_size_sweep_over_protocols_survives_ten_kills(tmp_path: Path):
     """31 blocks of 714 lines of 6,144 columns, over loopback and pseudo-terminals."""
     assert len(expand(FULL_SIZE)) == 31
-    simulation = {"model": "agcam-nir", "lamps": 5, "world": "world", "camera_wait_s": 60.0}
+    simulation = {
+        "model": "agcam-nir",
+        "lamps": 5,
+        "world": "world",
+        "camera_wait_s": ADDRESS_WAIT_S,
+    }
     bench = {
         "id": tmp_path.name,
         "camera": {"driver": "aravis"},
