@@ -12,6 +12,8 @@ from typing import IO, Self
 
 from drivers.errors import DeviceError
 
+_OBEYS_WITHIN_S = 30.0
+
 
 class SimulatedCameraProcess:
     """A context manager: the camera answers at `address` inside the block, and is gone after it.
@@ -19,6 +21,9 @@ class SimulatedCameraProcess:
     It dies with this process, too: its standard input is a pipe that only this process holds. But
     not by Ctrl-C at the terminal, which goes to every process of the foreground's group: it has a
     group of its own, and stays while its client cleans up.
+
+    Faults come at once or after a number of frames. At once is when nobody knows: a busy machine
+    sends any number of frames before it hears of the fault.
 
     Args:
         model: A model file as a Path; as text, what `Model.named` understands.
@@ -104,13 +109,17 @@ class SimulatedCameraProcess:
         self._errors.seek(0)
         return self._errors.read().strip()
 
-    def lose_packets(self, ratio: float) -> None:
-        """Fault: lose this share of the packets from now on, at random; 0 mends it."""
-        self._tell(f"lose {ratio}")
+    def lose_packets(self, ratio: float, *, after_frames: int = 0) -> None:
+        """Fault: lose this share of the packets (after so many more frames); 0 mends it."""
+        self._tell(f"lose {ratio} {after_frames}")
 
-    def stall(self) -> None:
-        """Fault: answer, but send no frames any more, until `resume`."""
-        self._tell("stall")
+    def stall(self, *, after_frames: int = 0) -> None:
+        """Fault: answer, but send no frames any more (after so many more), until `resume`."""
+        self._tell(f"stall {after_frames}")
+
+    def die(self, *, after_frames: int) -> None:
+        """Fault: die once so many more frames are sent; `kill` clears away what is left."""
+        self._tell(f"die {after_frames}")
 
     def resume(self) -> None:
         """Send frames again."""
@@ -136,10 +145,9 @@ class SimulatedCameraProcess:
 
     def stop(self) -> None:
         """End the camera in an orderly way; safe to call twice."""
-        if self._process is None:
+        if self._process is None or self._process.stdin is None:
             return
-        if self._process.stdin is not None:
-            self._process.stdin.close()
+        self._process.stdin.close()
         self.wake()
         try:
             self._process.wait(5.0)
@@ -163,7 +171,7 @@ class SimulatedCameraProcess:
             raise self._error("is not running")
         self._process.stdin.write(command + "\n")
         self._process.stdin.flush()
-        if self._answer(5.0) != "ok":
+        if self._answer(_OBEYS_WITHIN_S) != "ok":
             raise self._error(f"did not obey `{command}`: {self.said()}")
 
     def _answer(self, timeout_s: float) -> str:

@@ -1,7 +1,8 @@
 """Runs a simulated GigE Vision camera, of lines or frames, until its standard input ends.
 
 Prints `ready` once it answers; then each line on standard input is a fault, answered with `ok`:
-`lose RATIO`, `stall`, `resume`, `afresh` (noise that no seed repeats).
+`lose RATIO N`, `stall N` and `die N` after N more frames (0: at once), `resume`, `afresh` (noise
+that no seed repeats).
 """
 
 import argparse

@@ -1,6 +1,7 @@
 """Draws each frame of the simulated camera, from the registers as they are at that moment."""
 
 import time
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +43,19 @@ class Picture:
         self._sensor = sensor
         self._clock = LineClock()
         self._began_s = time.monotonic()
+        self._due: tuple[int, Callable[[], None]] | None = None
         self.failure: Exception | None = None
+
+    def after(self, n_frames: int, act: Callable[[], None]) -> None:
+        """Call `act` between the next `n_frames` frames and those that follow; forget earlier ones.
+
+        Where `n_frames` is 0, at once.
+        """
+        self._due = None
+        if n_frames == 0:
+            act()
+        else:
+            self._due = (n_frames, act)
 
     def settings(self) -> CameraSettings:
         """Return what the client has written into the registers."""
@@ -64,6 +77,7 @@ class Picture:
     def fill(self, frame: NDArray[np.uint8]) -> None:
         """Draw one frame into `frame`; on failure let nothing leave the camera any more."""
         try:
+            self._act_when_due()
             settings = self.settings()
             self.pace(settings)
             now_s = time.monotonic() - self._began_s
@@ -72,6 +86,15 @@ class Picture:
         except Exception as error:
             self.failure = error
             self._camera.lose_packets(1.0)
+
+    def _act_when_due(self) -> None:
+        """Called before each frame: Aravis sends one whole before it asks for the next."""
+        if self._due is None:
+            return
+        n_frames, act = self._due
+        self._due = (n_frames - 1, act) if n_frames else None
+        if n_frames == 0:
+            act()
 
     def pace(self, settings: CameraSettings) -> None:
         """Derive the frame period from the line rate: the fake camera knows no lines."""

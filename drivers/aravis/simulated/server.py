@@ -1,6 +1,9 @@
 """The simulated camera as a whole: protocol, registers, sensor, faults."""
 
+import os
+import signal
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -58,18 +61,23 @@ class Server:
     def obey(self, word: str, rest: Sequence[str]) -> bool:
         """Do what a line on the control channel says; False where it says nothing we know."""
         match word, rest:
-            case "lose", [ratio]:
-                self._lost_ratio = float(ratio)
-                self._camera.lose_packets(self._lost_ratio)
-            case "stall", []:  # it answers, but no packet of a frame leaves it
-                self._camera.lose_packets(1.0)
+            case "lose", [ratio, n_frames]:
+                self._picture.after(int(n_frames), partial(self._lose, float(ratio)))
+            case "stall", [n_frames]:  # it answers, but no packet of a frame leaves it
+                self._picture.after(int(n_frames), partial(self._camera.lose_packets, 1.0))
+            case "die", [n_frames]:
+                self._picture.after(int(n_frames), _die)
             case "resume", []:
-                self._camera.lose_packets(self._lost_ratio)
+                self._picture.after(0, partial(self._camera.lose_packets, self._lost_ratio))
             case "afresh", []:
                 self._sensor.draw_afresh()
             case _:
                 return False
         return True
+
+    def _lose(self, ratio: float) -> None:
+        self._lost_ratio = ratio
+        self._camera.lose_packets(ratio)
 
     def _reset(self, model: Model) -> None:
         """Write the values after power-on."""
@@ -99,3 +107,8 @@ class Server:
         dn = sensor.expose(settings, 0.0)
         for code in FORMATS.values():
             put(aligned(dn, code.bits, code.name), code.name, np.empty(2 * dn.size, np.uint8))
+
+
+def _die() -> None:
+    """As a camera does that is unplugged: without a last word."""
+    os.kill(os.getpid(), signal.SIGKILL)

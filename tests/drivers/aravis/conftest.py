@@ -10,10 +10,7 @@ from drivers.aravis.camera import AravisCamera
 from drivers.aravis.simulated_process import SimulatedCameraProcess
 from drivers.mock.world import World
 from drivers.ports import CameraSettings
-from tests.contracts.simulated_camera import MODEL, N_LAMPS, SETTINGS
-
-WAIT_S = 240.0
-"""Other tests may be at the address: there is one simulated camera per address."""
+from tests.contracts.simulated_camera import ADDRESS_WAIT_S, MODEL, N_LAMPS, SETTINGS
 
 
 def aravis_is_there() -> bool:
@@ -49,7 +46,9 @@ def model_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def running(model_path: Path, world_path: Path) -> Iterator[SimulatedCameraProcess]:
-    with SimulatedCameraProcess(model_path, world_path, serial="C1", wait_s=WAIT_S) as process:
+    with SimulatedCameraProcess(
+        model_path, world_path, serial="C1", wait_s=ADDRESS_WAIT_S
+    ) as process:
         yield process
 
 

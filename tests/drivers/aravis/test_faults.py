@@ -1,6 +1,7 @@
 """Each fault that users of Aravis meet, injected over loopback, ends in a clear error."""
 
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import dropwhile
 from pathlib import Path
@@ -112,14 +113,22 @@ def test_unknown_feature_names_all_that_were_tried(camera: AravisCamera) -> None
     assert "Colour, Color" in str(caught.value)
 
 
+def impatient(camera: AravisCamera) -> None:
+    """Wait no longer for a frame that will not come; for those that do, a busy machine may."""
+    acquisition = camera._acquisition
+    assert acquisition is not None
+    acquisition.patience_s, acquisition._give_up_s = 0.2, 0.0
+
+
 def test_killed_camera_is_lost_and_found_again_after_its_restart(
     process: SimulatedCameraProcess, wanted: CameraSettings
 ) -> None:
-    with opened(process.address, frame_timeout_s=0.5) as camera:
+    with opened(process.address) as camera:
         camera.configure(wanted)
         frames = camera.frames(100_000)
         next(frames)
         process.kill()
+        impatient(camera)
         with pytest.raises(DeviceLostError) as caught:
             list(frames)
         assert caught.value.code == "control-lost"
@@ -133,11 +142,12 @@ def test_killed_camera_is_lost_and_found_again_after_its_restart(
 
 
 def test_camera_that_hangs_is_lost(process: SimulatedCameraProcess, wanted: CameraSettings) -> None:
-    with opened(process.address, frame_timeout_s=0.5) as camera:
+    with opened(process.address) as camera:
         camera.configure(wanted)
         frames = camera.frames(100_000)
         next(frames)
         process.hang()
+        impatient(camera)
         with pytest.raises(DeviceLostError):
             list(frames)
         process.wake()
@@ -146,13 +156,14 @@ def test_camera_that_hangs_is_lost(process: SimulatedCameraProcess, wanted: Came
 def test_camera_that_another_program_takes_over_is_lost_and_says_so(
     process: SimulatedCameraProcess, wanted: CameraSettings
 ) -> None:
-    with opened(process.address, frame_timeout_s=0.5) as camera:
+    with opened(process.address) as camera:
         camera.configure(wanted)
         frames = camera.frames(100_000)
         next(frames)
         # As when a pause, a debugger's say, lets the heartbeat run out: control is free meanwhile.
         camera._held().camera.get_device().leave_control()
         with opened(process.address) as other:
+            impatient(camera)
             with pytest.raises(DeviceLostError, match="another program took control") as caught:
                 list(frames)
             assert caught.value.code == "control-lost"
@@ -165,22 +176,33 @@ def test_camera_that_another_program_takes_over_is_lost_and_says_so(
 def test_camera_that_sends_nothing_times_out_and_recovers(
     process: SimulatedCameraProcess, wanted: CameraSettings
 ) -> None:
-    with opened(process.address, frame_timeout_s=0.3) as camera:
+    with opened(process.address) as camera:
         camera.configure(wanted)
-        process.stall()
+        process.stall(after_frames=3)
+        frames = camera.frames(100)
+        assert len([next(frames) for _ in range(3)]) == 3
+        impatient(camera)
         with pytest.raises(DeviceTimeoutError) as caught:
-            list(camera.frames(1))
+            next(frames)
         assert caught.value.code == "frame-timeout"
         assert "firewall" in str(caught.value)
         process.resume()
         assert len(whole(camera.frames(3))) == 3
 
 
+@pytest.fixture
+def roomy(process: SimulatedCameraProcess) -> Iterator[AravisCamera]:
+    """A camera whose buffers hold a second or so: what is lost is lost by the fault alone."""
+    with opened(process.address, n_buffers=200) as camera:
+        yield camera
+
+
 def test_lost_packets_lose_frames_that_are_named_and_taken_again(
-    process: SimulatedCameraProcess, camera: AravisCamera, lit: World, wanted: CameraSettings
+    process: SimulatedCameraProcess, roomy: AravisCamera, lit: World, wanted: CameraSettings
 ) -> None:
+    camera = roomy
     used = camera.configure(replace(wanted, frame_lines=128))
-    process.lose_packets(0.02)
+    process.lose_packets(0.012)  # some 14 of the frames: neither none nor too many of them
     arrived = list(camera.frames(100))
     lost = [frame for frame in arrived if isinstance(frame, LostFrame)]
     frames = [frame for frame in arrived if isinstance(frame, CapturedFrame)]
@@ -190,15 +212,16 @@ def test_lost_packets_lose_frames_that_are_named_and_taken_again(
     assert camera.stream_report.missing_packets > 0
     expected = expected_dn(used, (1, 1, 1))
     for frame in frames:  # nothing was padded with zeros
-        assert_mean(frame.dn.astype(float), expected)
+        assert_mean(frame.dn.astype(float), expected, sigmas=7.0)
 
 
 def test_every_frame_is_accounted_for_even_when_its_leader_is_lost(
-    process: SimulatedCameraProcess, camera: AravisCamera, wanted: CameraSettings
+    process: SimulatedCameraProcess, roomy: AravisCamera, wanted: CameraSettings
 ) -> None:
-    camera.configure(replace(wanted, frame_lines=8))  # few packets: the leader is one in three
-    process.lose_packets(0.05)
-    arrived = list(camera.frames(200))
+    # Few packets, and the leader is one of three: some 17 frames lose theirs, some 50 are lost.
+    roomy.configure(replace(wanted, frame_lines=8, line_period_us=500.0))
+    process.lose_packets(0.07)
+    arrived = list(roomy.frames(200))
     # What is lost before the first whole frame has no number yet.
     ids = list(dropwhile(lambda number: number is None, (frame.frame_id for frame in arrived)))
     assert any("leader" in frame.reason for frame in arrived if isinstance(frame, LostFrame))
@@ -237,7 +260,8 @@ def test_a_slow_consumer_loses_frames_as_underruns_not_as_packets(
     with opened(process.address, n_buffers=2) as camera:
         camera.configure(wanted)
         reasons: list[str] = []
-        for frame in camera.frames(100, lambda: len(reasons) >= 3):
+        # Of so many that no number of lost ones ends it before.
+        for frame in camera.frames(100_000, lambda: len(reasons) >= 3):
             if isinstance(frame, LostFrame):
                 reasons.append(frame.reason)
             else:

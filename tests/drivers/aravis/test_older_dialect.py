@@ -11,8 +11,14 @@ from drivers.aravis.simulated_process import SimulatedCameraProcess
 from drivers.errors import SettingRefusedError
 from drivers.mock.world import World
 from drivers.ports import CameraSettings
-from tests.contracts.simulated_camera import assert_mean, expected_dn, lines_of, lit
-from tests.drivers.aravis.conftest import WAIT_S, opened
+from tests.contracts.simulated_camera import (
+    ADDRESS_WAIT_S,
+    assert_mean,
+    expected_dn,
+    lines_of,
+    lit,
+)
+from tests.drivers.aravis.conftest import opened
 
 __all__ = ["lit"]
 
@@ -22,7 +28,7 @@ pytestmark = pytest.mark.aravis
 @pytest.fixture(scope="module")
 def older(model_path: Path, world_path: Path) -> Iterator[SimulatedCameraProcess]:
     with SimulatedCameraProcess(
-        model_path, world_path, serial="C1", dialect="sfnc1", wait_s=WAIT_S
+        model_path, world_path, serial="C1", dialect="sfnc1", wait_s=ADDRESS_WAIT_S
     ) as process:
         yield process
 

@@ -19,7 +19,8 @@ from drivers.errors import DeviceError
 from drivers.mock.limits import CameraLimits
 from drivers.ports import CameraSettings
 from tests.contracts.camera import whole
-from tests.drivers.aravis.conftest import WAIT_S, opened
+from tests.contracts.simulated_camera import ADDRESS_WAIT_S
+from tests.drivers.aravis.conftest import opened
 
 
 def test_line_clock_rows_frames_up_without_gap_or_overlap() -> None:
@@ -87,7 +88,7 @@ def ends_within(pid: int, seconds: float) -> bool:
 @pytest.mark.aravis
 def test_dies_with_its_starter_even_by_kill(model_path: Path, world_path: Path) -> None:
     with subprocess.Popen(
-        [sys.executable, "-c", _STARTER, model_path, world_path, str(WAIT_S)],
+        [sys.executable, "-c", _STARTER, model_path, world_path, str(ADDRESS_WAIT_S)],
         stdout=subprocess.PIPE,
         text=True,
     ) as starter:
@@ -95,7 +96,7 @@ def test_dies_with_its_starter_even_by_kill(model_path: Path, world_path: Path) 
         pid = int(starter.stdout.readline())
         starter.kill()
         starter.wait()
-        assert ends_within(pid, 10.0)
+        assert ends_within(pid, 60.0)
 
 
 @pytest.mark.aravis
@@ -103,7 +104,14 @@ def test_detached_camera_needs_no_starter_and_ends_by_sigterm(
     model_path: Path, world_path: Path
 ) -> None:
     command = [
-        *(sys.executable, "-m", "drivers.aravis.simulated", "--detached", "--wait", str(WAIT_S)),
+        *(
+            sys.executable,
+            "-m",
+            "drivers.aravis.simulated",
+            "--detached",
+            "--wait",
+            str(ADDRESS_WAIT_S),
+        ),
         *("--model", model_path, "--world", world_path, "--serial", "D1"),
     ]
     with subprocess.Popen(
@@ -114,7 +122,7 @@ def test_detached_camera_needs_no_starter_and_ends_by_sigterm(
         with opened("127.0.0.1") as camera:
             assert camera.identity.serial == "D1"
         process.send_signal(signal.SIGTERM)
-        assert process.wait(10.0) == 0
+        assert process.wait(60.0) == 0
 
 
 @pytest.mark.aravis
@@ -147,11 +155,12 @@ def test_a_camera_that_starts_again_does_not_repeat_its_seed(
     tmp_path: Path, world_path: Path, wanted: CameraSettings
 ) -> None:
     residuals = []
-    process = SimulatedCameraProcess("demo", world_path, seed=3, wait_s=WAIT_S)
+    process = SimulatedCameraProcess("demo", world_path, seed=3, wait_s=ADDRESS_WAIT_S)
     for _ in range(2):
         with process, opened(process.address) as camera:
             assert camera.identity.serial == "D0001"
             camera.configure(wanted)
             dn = np.concatenate([frame.dn for frame in whole(camera.frames(4))]).astype(float)
             residuals.append((dn - dn.mean(axis=0)).ravel())
-    assert abs(np.corrcoef(*residuals)[0, 1]) < 4 / np.sqrt(residuals[0].size)
+    # Repeated noise would correlate by 1; 6 standard errors are never seen by chance.
+    assert abs(np.corrcoef(*residuals)[0, 1]) < 6 / np.sqrt(residuals[0].size)

@@ -9,6 +9,7 @@ from drivers.mock.world import World
 from service.bench import Bench, BenchSettings, open_bench
 from service.plan.model import Plan
 from service.sequencer.run import run_plan
+from tests.contracts.simulated_camera import ADDRESS_WAIT_S
 
 EXAMPLES = Path(__file__).parents[3] / "examples" / "benches"
 
@@ -31,8 +32,7 @@ SIMULATED = [
 def opened(name: str) -> Bench:
     """Open the example under a name of its own, since others may use it at the same time."""
     settings = BenchSettings.load(EXAMPLES / f"{name}.toml")
-    # One lamp is enough here, and others may be at the camera's address.
-    quick = {"camera_wait_s": 240.0, "lamps": 1}
+    quick = {"camera_wait_s": ADDRESS_WAIT_S, "lamps": 1}  # one lamp is enough here
     simulation = settings.simulation.model_copy(update=quick)
     mine = {"id": f"example-{os.getpid()}-{name}", "simulation": simulation}
     return open_bench(settings.model_copy(update=mine))

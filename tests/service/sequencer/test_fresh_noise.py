@@ -11,6 +11,7 @@ from calib.recording.file_recording import FileRecording
 from service.bench import open_bench
 from service.bench.settings import BenchSettings
 from service.sequencer.run import run_plan
+from tests.contracts.simulated_camera import ADDRESS_WAIT_S
 from tests.service.sequencer.benches import in_process, short_plan
 
 SEED = 11
@@ -18,7 +19,7 @@ SEED = 11
 
 def seeded(bench_id: str, **changes: object) -> BenchSettings:
     content = in_process(f"{os.getpid()}-{bench_id}").model_dump()
-    content["simulation"] |= {"seed": SEED}
+    content["simulation"] |= {"seed": SEED, "camera_wait_s": ADDRESS_WAIT_S}
     return BenchSettings.parse({**content, **changes})
 
 
@@ -48,8 +49,9 @@ def residuals(out: Path, block: str) -> NDArray[np.float64]:
 
 
 def check_independent(first: NDArray[np.float64], second: NDArray[np.float64]) -> None:
+    """Repeated noise correlates by 1; 6 standard errors come by chance once in 500 million runs."""
     correlation = np.corrcoef(first, second)[0, 1]
-    assert abs(correlation) < 4 / np.sqrt(first.size)
+    assert abs(correlation) < 6 / np.sqrt(first.size)
 
 
 def two_attempts(

@@ -11,6 +11,7 @@ from calib.errors import DarkflatError
 from calib.recording.file_recording import FileRecording
 from service.bench import Bench, BenchSettings, open_bench
 from service.sequencer.run import run_plan
+from tests.contracts.simulated_camera import ADDRESS_WAIT_S
 from tests.service.sequencer.benches import assert_dark, short_plan, whole_blocks
 
 pytestmark = [
@@ -38,7 +39,7 @@ def over_protocols(name: str, world: Path | None = None) -> BenchSettings:
                 "model": "demo",
                 "lamps": 1,
                 "warm_up_s": 0.05,
-                "camera_wait_s": 60.0,
+                "camera_wait_s": ADDRESS_WAIT_S,
                 "world": world,
             },
         }
