@@ -1,7 +1,7 @@
 """An emulated bench whose lines are quick, and its devices opened."""
 
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TypeVar
 
@@ -13,12 +13,17 @@ from drivers.mock.world import World
 from drivers.serial.gen import GenLamps
 from drivers.serial.gen_lamp import LampRating
 from drivers.serial.keithley6485 import Keithley6485
+from drivers.serial.link import SerialLink
 from drivers.serial.mightex import MightexLed
 from drivers.serial.rly16 import RelayShutter
 
 Device = TypeVar("Device", GenLamps, MightexLed, Keithley6485, RelayShutter)
 RATING = LampRating(4.0, 26.0, ramp_step_a=1.0, ramp_step_s=0.001, settle_s=0.1)
 SETTLE_S = 0.01
+TIMEOUT_S = 1.0
+"""Of a reply that comes: a busy machine may take its time."""
+LATE_S = 1.5
+"""Too late by as much as a busy machine may oversleep, and as long before the link gives up."""
 
 
 @pytest.fixture
@@ -48,6 +53,19 @@ def opened(emulated: EmulatedBench, tmp_path: Path) -> Iterator["Opened"]:
         yield devices
 
 
+@contextmanager
+def impatient(device: object, *, when: bool = True) -> Iterator[None]:
+    """Have the device's link wait only briefly for replies that will not come."""
+    link: SerialLink = device._units.link if isinstance(device, GenLamps) else device._link  # type: ignore[attr-defined]
+    before = link.timeout_s
+    if when:
+        link.timeout_s = 0.2
+    try:
+        yield
+    finally:
+        link.timeout_s = before
+
+
 class Opened:
     """Opens each device when asked for, and closes it in the end."""
 
@@ -64,24 +82,30 @@ class Opened:
                 rating=rating,
                 hours_path=self.folder / "hours.json",
                 baudrate=115200,
-                timeout_s=0.3,
+                timeout_s=TIMEOUT_S,
                 address_settle_s=SETTLE_S,
             )
         )
 
     def led(self) -> MightexLed:
-        return self._kept(MightexLed.open(self.port("led"), baudrate=115200, timeout_s=0.3))
+        return self._kept(MightexLed.open(self.port("led"), baudrate=115200, timeout_s=TIMEOUT_S))
 
     def monitor(self, range_a: float | None = None, nplc: float = 0.1) -> Keithley6485:
         return self._kept(
             Keithley6485.open(
-                self.port("monitor"), range_a=range_a, nplc=nplc, baudrate=115200, timeout_s=0.3
+                self.port("monitor"),
+                range_a=range_a,
+                nplc=nplc,
+                baudrate=115200,
+                timeout_s=TIMEOUT_S,
             )
         )
 
     def shutter(self) -> RelayShutter:
         return self._kept(
-            RelayShutter.open(self.port("shutter"), travel_s=0.05, baudrate=115200, timeout_s=0.3)
+            RelayShutter.open(
+                self.port("shutter"), travel_s=0.05, baudrate=115200, timeout_s=TIMEOUT_S
+            )
         )
 
     def port(self, name: str) -> str:

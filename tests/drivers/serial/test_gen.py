@@ -3,6 +3,7 @@
 import threading
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 
 import pytest
 
@@ -20,7 +21,14 @@ from drivers.mock.world import World
 from drivers.serial.gen import GenLamps
 from drivers.serial.gen_lamp import LampRating
 from tests.contracts.light import LightContract
-from tests.drivers.serial.conftest import RATING, SETTLE_S, Opened
+from tests.drivers.serial.conftest import (
+    LATE_S,
+    RATING,
+    SETTLE_S,
+    TIMEOUT_S,
+    Opened,
+    impatient,
+)
 
 
 @pytest.fixture
@@ -118,7 +126,7 @@ def test_absent_supply_is_named_at_opening(opened: Opened) -> None:
             addresses=[1, 9],
             rating=RATING,
             baudrate=115200,
-            timeout_s=0.2,
+            timeout_s=TIMEOUT_S,
             address_settle_s=SETTLE_S,
         )
     assert opened.lamps().state().level == 0  # the port is free again
@@ -146,7 +154,7 @@ def test_two_owners_are_refused(light: GenLamps, opened: Opened) -> None:
 LINE_FAULTS = {
     "garbled": ("lamps garble 1", ProtocolError, "reply-garbled"),
     "truncated": ("lamps truncate 1", DeviceTimeoutError, "device-timeout"),
-    "late": ("lamps delay 0.5 1", DeviceTimeoutError, "device-timeout"),
+    "late": (f"lamps delay {LATE_S} 1", DeviceTimeoutError, "device-timeout"),
     "silent": ("lamps silent on", DeviceTimeoutError, "device-timeout"),
     "deaf": ("lamps deaf on", DeviceTimeoutError, "device-timeout"),
     "unplugged": ("lamps vanish", DeviceLostError, "device-lost"),
@@ -161,7 +169,7 @@ def test_line_fault_while_reading_back_is_named_and_lamps_go_off_once_it_is_mend
     light = opened.lamps()
     light.set_level(3)
     inject(opened.emulated, command)
-    with pytest.raises(kind) as caught:
+    with impatient(light, when=command.endswith(" on")), pytest.raises(kind) as caught:
         light.state()
     assert caught.value.code == code
     assert caught.value.device.startswith("lamps at ")
@@ -181,14 +189,16 @@ def test_line_fault_while_a_ramp_runs_ends_with_the_lamps_off_or_named(
     light = opened.lamps()
     light.set_level(1)
     asked = iter(range(1000))
+    with ExitStack() as waiting:
 
-    def inject_in_the_third_step() -> bool:
-        if next(asked) == 3:
-            inject(opened.emulated, command)
-        return False
+        def inject_in_the_third_step() -> bool:
+            if next(asked) == 3:
+                inject(opened.emulated, command)
+                waiting.enter_context(impatient(light, when=command.endswith(" on")))
+            return False
 
-    with pytest.raises(kind) as caught:
-        light.set_level(3, cancelled=inject_in_the_third_step)
+        with pytest.raises(kind) as caught:
+            light.set_level(3, cancelled=inject_in_the_third_step)
     assert caught.value.code == code
     if command.endswith(" 1"):  # a fault that passes: what failed left nothing lit
         assert not hasattr(caught.value, "__notes__")
@@ -205,14 +215,14 @@ def test_off_reaches_lamps_that_hear_but_do_not_answer(opened: Opened, world: Wo
     light = opened.lamps()
     light.set_level(3)
     inject(opened.emulated, "lamps silent on")
-    with pytest.raises(DeviceError, match="lamp 1, 2, 3") as caught:
+    with impatient(light), pytest.raises(DeviceError, match="lamp 1, 2, 3") as caught:
         light.off()
     assert caught.value.code == "lamps-not-off"
     assert isinstance(caught.value, DeviceTimeoutError)
     assert all(lamp.target == 0 for lamp in world.state().lamps)
 
 
-@pytest.mark.parametrize("spoil", ["truncate", "garble", "delay 0.5"])
+@pytest.mark.parametrize("spoil", ["truncate", "garble", f"delay {LATE_S}"])
 def test_off_asks_once_more_where_a_single_reply_got_lost(
     opened: Opened, world: World, spoil: str
 ) -> None:
@@ -325,7 +335,7 @@ def test_off_goes_out_while_a_reply_is_awaited(opened: Opened, world: World) -> 
     light.set_level(3)
     inject(opened.emulated, "lamps silent on")
     link = light._units.link
-    link.timeout_s = 2.0
+    link.timeout_s = 60.0
     waiting = threading.Thread(target=_fails, args=(light.state,))
     waiting.start()
     while link.in_step:
@@ -335,9 +345,11 @@ def test_off_goes_out_while_a_reply_is_awaited(opened: Opened, world: World) -> 
     while any(lamp.target for lamp in world.state().lamps):
         time.sleep(0.005)
     assert waiting.is_alive()  # dark although that question is still open
-    link.timeout_s = 0.1
+    inject(opened.emulated, "lamps vanish")  # which ends all waiting
     off.join(20)
     waiting.join(20)
+    assert not off.is_alive()
+    assert not waiting.is_alive()
 
 
 def test_lamp_hours_survive_the_program(opened: Opened) -> None:

@@ -14,7 +14,7 @@ from drivers.mock.emulators.fault_commands import inject
 from drivers.mock.world import World
 from drivers.serial.keithley6485 import Keithley6485
 from tests.contracts.monitor import MonitorContract
-from tests.drivers.serial.conftest import Opened
+from tests.drivers.serial.conftest import LATE_S, Opened, impatient
 
 PER_LAMP_A = 2e-7
 # Shot noise of 0.6 µA and the meter's own, at 0.1 power line cycles of 20 ms; 6 sigma.
@@ -105,7 +105,7 @@ def test_reset_behind_our_back_is_not_read_as_darkness(opened: Opened, world: Wo
 FAULTS = {
     "garbled": ("monitor garble 1", ProtocolError),
     "truncated": ("monitor truncate 1", DeviceTimeoutError),
-    "late": ("monitor delay 0.6 1", DeviceTimeoutError),
+    "late": (f"monitor delay {LATE_S} 1", DeviceTimeoutError),
     "silent": ("monitor silent on", DeviceTimeoutError),
     "unplugged": ("monitor vanish", DeviceLostError),
 }
@@ -118,7 +118,7 @@ def test_line_fault_is_named_and_the_next_reading_is_good(
     command, kind = FAULTS[fault]
     meter = opened.monitor()
     inject(opened.emulated, command)
-    with pytest.raises(kind) as caught:
+    with impatient(meter, when=command.endswith(" on")), pytest.raises(kind) as caught:
         meter.read()
     assert caught.value.last_exchange
     inject(opened.emulated, "monitor return")

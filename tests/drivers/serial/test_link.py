@@ -37,8 +37,8 @@ def connect(tmp_path: Path) -> Iterator[Callable[[Script], tuple[SerialLink, Far
 
     def connected(script: Script) -> tuple[SerialLink, FarEnd]:
         far = FarEnd(tmp_path / "port", script)
-        settings = PortSettings(str(far.path), "thing", 115200, write_timeout_s=0.2)
-        link = SerialLink(settings, end="\r", timeout_s=0.25, sync=_SYNC)
+        settings = PortSettings(str(far.path), "thing", 115200, write_timeout_s=5.0)
+        link = SerialLink(settings, end="\r", timeout_s=5.0, sync=_SYNC)
         links.append(link)
         far_ends.append(far)
         return link, far
@@ -51,6 +51,17 @@ def connect(tmp_path: Path) -> Iterator[Callable[[Script], tuple[SerialLink, Far
 
 
 Connect = Callable[[Script], tuple[SerialLink, FarEnd]]
+
+_SOON_S = 0.1
+"""A time-out where nothing comes; where something does, a busy machine may take its time."""
+
+
+def _is_waiting(link: SerialLink) -> bool:
+    """Return once something that nobody asked for has arrived."""
+    until = time.monotonic() + 30
+    while not link.port.has_input() and time.monotonic() < until:
+        time.sleep(0.005)
+    return link.port.has_input()
 
 
 @pytest.mark.parametrize("end", [b"\r", b"\n", b"\r\n", b"\n\r", b"\r\r\n", b"\n\n"], ids=repr)
@@ -68,23 +79,29 @@ def test_what_arrived_unasked_is_not_taken_for_the_reply(connect: Connect) -> No
     link, far = connect(_reply(b"right\r"))
     assert link.query("ASK") == "right"
     os.write(far.master, b"unasked\r")
-    time.sleep(0.05)
+    assert _is_waiting(link)
     assert link.query("ASK") == "right"
 
 
 def test_deadline_holds_for_the_whole_reply_not_per_byte(connect: Connect) -> None:
     link, _ = connect(lambda command: [(0.06, b"x")] * 20 if command == b"ASK" else [])
+    link.synchronise(_SYNC)
     with pytest.raises(DeviceTimeoutError) as caught:
-        link.query("ASK")
+        link.query("ASK", timeout_s=0.25)
     # At 60 ms a byte, a time-out per byte of 250 ms would have read all of them.
     assert caught.value.last_exchange.count("x") < 20
 
 
 def test_late_reply_is_not_read_as_the_answer_to_the_next_question(connect: Connect) -> None:
-    lateness = {b"FIRST": 0.4}
-    link, _ = connect(lambda c: [(lateness.get(c, 0.0), c.lower() + b"\r")] if c else [])
+    def answer(command: bytes) -> list[tuple[float, bytes]]:
+        if command == b"FIRST":
+            far.wait_for(b"WHO?", times=2)  # its time is over, and the link gets into step anew
+        return [(0.0, command.lower() + b"\r")] if command else []
+
+    link, far = connect(answer)
+    link.synchronise(_SYNC)
     with pytest.raises(DeviceTimeoutError):
-        link.query("FIRST")
+        link.query("FIRST", timeout_s=_SOON_S)
     assert not link.in_step
     assert link.query("SECOND") == "second"
     assert link.query("THIRD") == "third"
@@ -92,19 +109,25 @@ def test_late_reply_is_not_read_as_the_answer_to_the_next_question(connect: Conn
 
 def test_late_answers_to_the_same_question_do_not_stay_behind(connect: Connect) -> None:
     # The answer to the first WHO? comes when a second one was asked: two "me" are on their way.
-    waits = iter([0.4, 0.1])
+    def answer_late(_: bytes) -> list[tuple[float, bytes]]:
+        far.wait_for(b"WHO?", times=2)
+        return [(0.0, b"me\r")]
+
     link, far = connect(_reply(b"ok\r"))
-    far.answers_who = lambda _: [(next(waits, 0.0), b"me\r")]
+    far.answers_who = answer_late
+    link.timeout_s = _SOON_S
     with pytest.raises(DeviceTimeoutError):
         link.query("ASK")
+    link.timeout_s = 5.0
     assert link.query("ASK") == "ok"
     assert link.query("ASK") == "ok"
 
 
 def test_silence_is_a_time_out_that_shows_what_was_sent(connect: Connect) -> None:
     link, _ = connect(lambda command: [])
+    link.synchronise(_SYNC)
     with pytest.raises(DeviceTimeoutError) as caught:
-        link.query("ASK")
+        link.query("ASK", timeout_s=_SOON_S)
     assert caught.value.code == "device-timeout"
     assert "ASK" in caught.value.last_exchange
     assert "thing" in caught.value.device
@@ -112,8 +135,9 @@ def test_silence_is_a_time_out_that_shows_what_was_sent(connect: Connect) -> Non
 
 def test_reply_without_its_end_is_a_time_out_that_shows_it(connect: Connect) -> None:
     link, _ = connect(_reply(b"+1.04"))
+    link.synchronise(_SYNC)
     with pytest.raises(DeviceTimeoutError) as caught:
-        link.query("ASK")
+        link.query("ASK", timeout_s=1.0)
     assert "+1.04" in caught.value.last_exchange
 
 
@@ -169,6 +193,7 @@ def test_another_device_behind_the_same_path_is_not_talked_to(connect: Connect) 
     far.answers_who = _reply(b"stranger\r")
     far.plug()
     heard = len(far.heard)
+    link.timeout_s = 1.0
     with pytest.raises(DeviceTimeoutError):
         link.query("ASK")
     assert b"ASK" not in far.heard[heard:]
@@ -221,28 +246,22 @@ def test_closed_link_says_so(connect: Connect) -> None:
 
 
 def test_interjection_goes_out_while_another_thread_waits(connect: Connect) -> None:
-    link, far = connect(lambda command: [])
-    heard_before_the_time_out = threading.Event()
-
-    def wait() -> None:
-        with pytest.raises(DeviceTimeoutError):
-            link.query("ASK", timeout_s=1.0)
-        if b"OFF" in far.heard:
-            heard_before_the_time_out.set()
-
+    # The far end answers the question only once it has heard the interjection.
+    link, far = connect(lambda command: [(0.0, b"heard\r")] if command == b"OFF" else [])
+    replies: list[str] = []
     link.synchronise(_SYNC)
-    thread = threading.Thread(target=wait)
+    thread = threading.Thread(target=lambda: replies.append(link.query("ASK", timeout_s=30.0)))
     thread.start()
-    while b"ASK" not in far.heard:
-        time.sleep(0.005)
+    far.wait_for(b"ASK")
     link.interject("OFF")
-    thread.join()
-    assert heard_before_the_time_out.is_set()
+    thread.join(30)
+    assert replies == ["heard"]
 
 
 def test_bytes_are_answered_by_count(connect: Connect) -> None:
     link, _ = connect(lambda command: [(0.02, b"\x09"), (0.02, b"\xff")] if command else [])
     assert link.query_bytes(b"Z\r", 2) == b"\x09\xff"
+    link.timeout_s = 0.3
     with pytest.raises(DeviceTimeoutError):
         link.query_bytes(b"Z\r", 3)
 
@@ -264,6 +283,6 @@ def test_bytes_that_came_after_the_reply_put_the_link_out_of_step(connect: Conne
     link, far = connect(_reply(b"\x02"))
     assert link.query_bytes(b"Z\r", 1) == b"\x02"
     os.write(far.master, b"\x01")
-    time.sleep(0.05)
+    assert _is_waiting(link)
     assert link.query_bytes(b"Z\r", 1) == b"\x02"
     assert far.heard[-2:] == [b"WHO?", b"Z"]

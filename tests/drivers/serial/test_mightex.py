@@ -16,7 +16,7 @@ from drivers.mock.emulators.fault_commands import inject
 from drivers.mock.world import World
 from drivers.serial.mightex import MightexLed
 from tests.contracts.light import LightContract
-from tests.drivers.serial.conftest import Opened
+from tests.drivers.serial.conftest import LATE_S, TIMEOUT_S, Opened, impatient
 
 LED = 3  # the world's lamp after the three lamps
 
@@ -49,14 +49,16 @@ def test_identity_is_read_from_the_controller(light: MightexLed) -> None:
 
 
 def test_channel_that_the_controller_does_not_have_is_refused(opened: Opened) -> None:
-    led = MightexLed.open(opened.port("led"), channel=5, baudrate=115200, timeout_s=0.3)
+    led = MightexLed.open(opened.port("led"), channel=5, baudrate=115200, timeout_s=TIMEOUT_S)
     opened.closing.callback(led.close)
     with pytest.raises(SettingRefusedError, match="refuses"):
         led.set_level(1.0)
 
 
 def test_current_above_the_controllers_ceiling_is_refused(opened: Opened, world: World) -> None:
-    led = MightexLed.open(opened.port("led"), max_current_ma=2000.0, baudrate=115200, timeout_s=0.3)
+    led = MightexLed.open(
+        opened.port("led"), max_current_ma=2000.0, baudrate=115200, timeout_s=TIMEOUT_S
+    )
     opened.closing.callback(led.close)
     with pytest.raises(SettingRefusedError, match="refuses"):
         led.set_level(3.0)
@@ -76,7 +78,7 @@ def test_echo_that_comes_back_after_a_brown_out_is_no_reply(
 FAULTS = {
     "garbled": ("led garble 1", ProtocolError),
     "truncated": ("led truncate 1", DeviceTimeoutError),
-    "late": ("led delay 0.5 1", DeviceTimeoutError),
+    "late": (f"led delay {LATE_S} 1", DeviceTimeoutError),
     "silent": ("led silent on", DeviceTimeoutError),
     "unplugged": ("led vanish", DeviceLostError),
 }
@@ -90,7 +92,7 @@ def test_line_fault_is_named_and_the_led_goes_off_once_it_is_mended(
     light = opened.led()
     light.set_level(1.0)
     inject(opened.emulated, command)
-    with pytest.raises(kind) as caught:
+    with impatient(light, when=command.endswith(" on")), pytest.raises(kind) as caught:
         light.set_level(0.5)
     assert caught.value.last_exchange
     inject(opened.emulated, "led return")
@@ -105,7 +107,7 @@ def test_off_that_cannot_be_read_back_says_so(opened: Opened, fault: str) -> Non
     light = opened.led()
     light.set_level(1.0)
     inject(opened.emulated, command)
-    with pytest.raises(kind, match="not known to be off") as caught:
+    with impatient(light), pytest.raises(kind, match="not known to be off") as caught:
         light.off()
     assert caught.value.code == "lamps-not-off"
 

@@ -13,7 +13,7 @@ from drivers.mock.emulators.fault_commands import inject
 from drivers.mock.world import World
 from drivers.serial.rly16 import RelayShutter
 from tests.contracts.shutter import ShutterContract
-from tests.drivers.serial.conftest import Opened
+from tests.drivers.serial.conftest import LATE_S, Opened, impatient
 
 
 @pytest.fixture
@@ -69,7 +69,7 @@ def test_stuck_relay_is_an_error(shutter: RelayShutter, opened: Opened, world: W
 FAULTS = {
     "garbled": ("shutter garble 1", DeviceError),  # one byte for another: reads back otherwise
     "truncated": ("shutter truncate 1", DeviceTimeoutError),
-    "late": ("shutter delay 0.5 1", DeviceTimeoutError),
+    "late": (f"shutter delay {LATE_S} 1", DeviceTimeoutError),
     "silent": ("shutter silent on", DeviceTimeoutError),
     "unplugged": ("shutter vanish", DeviceLostError),
 }
@@ -82,7 +82,7 @@ def test_line_fault_is_named_and_it_moves_again_once_mended(
     command, kind = FAULTS[fault]
     shutter = opened.shutter()
     inject(opened.emulated, command)
-    with pytest.raises(kind) as caught:
+    with impatient(shutter, when=command.endswith(" on")), pytest.raises(kind) as caught:
         shutter.set_capped(True)
     assert caught.value.last_exchange
     inject(opened.emulated, "shutter return")
