@@ -29,9 +29,10 @@ def pytest_configure() -> None:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
-        # One simulated camera at a time can hold the address: its tests share a worker.
-        if item.get_closest_marker("aravis"):
-            item.add_marker(pytest.mark.xdist_group("camera"))
+        # One simulated camera at a time can hold the address: its tests share a worker. Those of
+        # any other file do, too: what they have in common is made once.
+        group = "camera" if item.get_closest_marker("aravis") else item.nodeid.partition("::")[0]
+        item.add_marker(pytest.mark.xdist_group(group))
     if config.getoption("--bench") is not None:
         return
     skip = pytest.mark.skip(reason="needs a real bench: --bench BENCH.toml")

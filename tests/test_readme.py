@@ -3,12 +3,13 @@
 import os
 import re
 import shlex
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from tests.contracts.simulated_camera import ADDRESS_WAIT_S
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text("utf-8")
@@ -35,7 +36,10 @@ def blocks(language: str) -> list[str]:
 
 @pytest.mark.aravis
 def test_its_commands_and_its_python_run_as_they_stand(tmp_path: Path) -> None:
-    shutil.copy(ROOT / "examples" / "benches" / "simulated.toml", tmp_path / "bench.toml")
+    bench = (ROOT / "examples" / "benches" / "simulated.toml").read_text("utf-8")
+    assert 'id = "simulated"' in bench  # others may use that one, or be at its camera's address
+    bench = bench.replace('id = "simulated"', f'id = "readme-{os.getpid()}"')
+    (tmp_path / "bench.toml").write_text(f"{bench}\ncamera_wait_s = {ADDRESS_WAIT_S}\n", "utf-8")
     (tmp_path / "plan.toml").write_text(PLAN)
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = {**os.environ, "PATH": path, "DARKFLAT_HOME": str(tmp_path / "home")}

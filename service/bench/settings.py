@@ -33,6 +33,8 @@ class Simulation(BenchPart):
     """How long to wait for the address while another simulated camera has it."""
     warm_up_s: float = Field(default=0.3, ge=0)
     """Time constant with which emulated lamps warm up."""
+    baudrate: int = Field(default=9600, gt=0)
+    """Bits per second of the emulated lines; a pseudo-terminal takes any from the devices."""
     world: Path | None = None
     """The file that the simulated devices share; None: a temporary one."""
 

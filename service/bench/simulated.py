@@ -109,7 +109,7 @@ def _start_emulators(
 ) -> "EmulatorProcess":
     from drivers.mock.emulators.process import EmulatorProcess  # noqa: PLC0415
 
-    options = ["--tau-s", str(simulation.warm_up_s)]
+    options = ["--tau-s", str(simulation.warm_up_s), "--baudrate", str(simulation.baudrate)]
     if simulation.seed is not None:
         options += ["--seed", str(simulation.seed)]
     process = EmulatorProcess(world.path, lamps=n_lamps, led=led, options=tuple(options))

@@ -6,6 +6,7 @@ rec.h5, rec.frames.jsonl    the same, as a recording file
 set.h5                      its coefficient set
 """
 
+import os
 from pathlib import Path
 
 from calib.forward.model import Model
@@ -45,8 +46,8 @@ stable_for_s = 0.02
 interval_s = 0.005
 """
 
-BENCH = """
-id = "bad-input"
+BENCH = f"""
+id = "bad-input-{os.getpid()}"
 
 [camera]
 driver = "mock"

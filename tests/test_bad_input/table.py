@@ -3,6 +3,7 @@
 python -m tests.test_bad_input.table    writes the page anew
 """
 
+import os
 import re
 import tempfile
 from collections.abc import Iterator
@@ -36,8 +37,9 @@ class Row:
 
 
 def cell(text: str) -> str:
-    """Return `text` for a table: times and the run's own folder taken out."""
+    """Return `text` for a table: times, the run's own folder and its process taken out."""
     plain = re.sub(rf"/\S*/{_FOLDER}/", "/…/", _TIME.sub("…", text))
+    plain = plain.replace(f"bad-input-{os.getpid()}", "bad-input")
     return plain.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;").replace("*", "\\*")
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from calib.recording.open import open_recording
-from tests.test_bad_input.processes import DARKFLAT, darkflat, no_file_longer_than
+from tests.test_bad_input.processes import DARKFLAT, as_a_process, darkflat, no_file_longer_than
 from tests.test_bad_input.running import tree
 
 MOUNT = "mount -t tmpfs -o size=64k none disk"
@@ -60,7 +60,7 @@ def test_a_full_disk_is_one_sentence_and_nothing_is_left(
     work: Path, command: str, room: int
 ) -> None:
     before = tree(work.parent)
-    ran = darkflat(work, *command.split(), "--json", "-", before=no_file_longer_than(room))
+    ran = darkflat(work, *command.split(), "--json", "-", within=no_file_longer_than(room))
     assert ran.returncode == 1, ran.stderr
     error = json.loads(ran.stdout)["error"]
     assert error["code"] == "disk-full"
@@ -71,7 +71,7 @@ def test_a_full_disk_is_one_sentence_and_nothing_is_left(
 
 def test_a_sweep_that_fills_the_disk_keeps_its_blocks_and_goes_on(work: Path) -> None:
     sweep = ("sweep", "plan.toml", "--bench", "bench.toml", "--out", "out.h5", "--json", "-")
-    ran = darkflat(work, *sweep, before=no_file_longer_than(1_100_000))
+    ran = darkflat(work, *sweep, within=no_file_longer_than(1_100_000))
     assert ran.returncode == 1
     assert json.loads(ran.stdout)["error"]["code"] == "disk-full"
     assert len(ran.stderr.splitlines()) == 1
@@ -106,7 +106,7 @@ def test_a_file_system_without_room_is_one_sentence_and_stays_empty(
 )
 def test_standard_output_that_takes_nothing_is_one_sentence(work: Path, command: str) -> None:
     with Path("/dev/full").open("w") as full:
-        ran = darkflat(work, *command.split(), stdout=full.fileno())
+        ran = as_a_process(work, *command.split(), stdout=full.fileno())
     assert ran.returncode == 1
     assert len(ran.stderr.splitlines()) == 1
     assert "standard output" in ran.stderr

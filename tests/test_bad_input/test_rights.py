@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.test_bad_input.processes import darkflat, rights_count
+from tests.test_bad_input.processes import darkflat, rights_that_count
 from tests.test_bad_input.running import tree
 
 TO_A_CLOSED_FOLDER = [
@@ -39,7 +39,7 @@ def work(sound: Path, tmp_path: Path) -> Path:
 def test_an_output_folder_that_is_not_writable(work: Path, command: str) -> None:
     (work / "closed").mkdir(mode=0o555)
     before = tree(work)
-    ran = darkflat(work, *command.split(), before=rights_count)
+    ran = darkflat(work, *command.split(), within=rights_that_count())
     assert ran.returncode == 1
     assert len(ran.stderr.splitlines()) == 1
     assert "closed" in ran.stderr
@@ -50,7 +50,7 @@ def test_an_output_folder_that_is_not_writable(work: Path, command: str) -> None
 def test_an_input_that_may_not_be_read(work: Path, name: str, command: str) -> None:
     before = tree(work)
     (work / name).chmod(0)
-    ran = darkflat(work, *command.split(), "--json", "-", before=rights_count)
+    ran = darkflat(work, *command.split(), "--json", "-", within=rights_that_count())
     (work / name).chmod(0o600)
     assert ran.returncode == 1
     assert json.loads(ran.stdout)["error"]["code"] != "internal-error"

@@ -1,7 +1,7 @@
 """Emulated GEN supplies on one line: the addressed one answers, an absent one stays silent."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from drivers.mock.emulators.gen_supply import GenSupply
 from drivers.mock.emulators.pty_line import Reply
@@ -13,9 +13,16 @@ class GenChain:
     What comes before the newly addressed supply listens (`address_settle_s`) is lost.
     """
 
-    def __init__(self, supplies: Mapping[int, GenSupply], *, address_settle_s: float = 0.1) -> None:
+    def __init__(
+        self,
+        supplies: Mapping[int, GenSupply],
+        *,
+        address_settle_s: float = 0.1,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         self.supplies = dict(supplies)
         self._settle_s = address_settle_s
+        self._clock = clock
         self._addressed: int | None = None
         self._listens_from = 0.0
         self._pending = b""
@@ -37,7 +44,7 @@ class GenChain:
         if command in ("GOUT OFF", "GOUT ON", "GRST"):
             self._all(command)
             return b""
-        if self._addressed is None or time.monotonic() < self._listens_from:
+        if self._addressed is None or self._clock() < self._listens_from:
             return b""
         if command != "\\":
             answer = self.supplies[self._addressed].obey(command) if command else "OK"
@@ -50,7 +57,7 @@ class GenChain:
         if not number.isdigit() or int(number) not in self.supplies:
             return b""
         self._addressed = int(number)
-        self._listens_from = time.monotonic() + self._settle_s
+        self._listens_from = self._clock() + self._settle_s
         return b"OK\r"
 
     def _all(self, command: str) -> None:

@@ -72,9 +72,13 @@ def test_gen_command_in_pieces_is_one_command(chain: GenChain) -> None:
 
 
 def test_gen_supply_loses_what_comes_before_it_listens() -> None:
-    chain = GenChain({1: GenSupply(1, EmulatedLamp(), _dark)}, address_settle_s=0.1)
+    now_s = 0.0
+    supplies = {1: GenSupply(1, EmulatedLamp(), _dark)}
+    chain = GenChain(supplies, address_settle_s=0.1, clock=lambda: now_s)
     assert _said(chain, b"ADR 1\rIDN?\r") == b"OK\r"
-    time.sleep(0.11)
+    now_s += 0.09
+    assert _said(chain, b"IDN?\r") == b""
+    now_s += 0.02
     assert _said(chain, b"IDN?\r") == b"LAMBDA,GEN40-38\r"
 
 

@@ -17,7 +17,7 @@ from service.store.jobs import Jobs
 from service.store.records import JobRecord
 from service.store.store import Store
 
-UNTIL_S = 20.0
+UNTIL_S = 120.0
 
 
 class Work:

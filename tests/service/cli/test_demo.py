@@ -1,5 +1,6 @@
 """`demo`, without Aravis: the rest is the same; over GigE Vision it is marked."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -21,9 +22,14 @@ KEYS = {
 
 
 def quick(chosen: ChosenBench) -> ChosenBench:
-    """Leave the slow lines out."""
-    mocks = {"light": {"driver": "mock"}, "monitor": {"driver": "mock", "integration_s": 0.001}}
-    content = {**chosen.settings.model_dump(), **mocks, "shutter": {"driver": "mock"}}
+    """Leave the slow lines out, under a name of its own: another demo may run meanwhile."""
+    mocks = {
+        "id": f"demo-{os.getpid()}",
+        "light": {"driver": "mock"},
+        "monitor": {"driver": "mock", "integration_s": 0.001},
+        "shutter": {"driver": "mock"},
+    }
+    content = {**chosen.settings.model_dump(), **mocks}
     return ChosenBench(BenchSettings.parse(content), chosen.remark)
 
 

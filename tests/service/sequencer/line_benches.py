@@ -15,7 +15,7 @@ MIGHTEX = {"driver": "mightex"}
 def on_lines(
     name: str, light: dict[str, Any], world: Path | None = None, *, lamps: int = 2
 ) -> BenchSettings:
-    """Return a bench with `light`, a picoammeter and a relay on lines of 9600 baud."""
+    """Return a bench with `light`, a picoammeter and a relay on quick lines."""
     return BenchSettings.parse(
         {
             "id": f"lines-{os.getpid()}-{name}",
@@ -23,7 +23,13 @@ def on_lines(
             "light": light,
             "monitor": {"driver": "keithley6485", "range_a": 2e-6},
             "shutter": {"driver": "rly16"},
-            "simulation": {"model": "demo", "lamps": lamps, "warm_up_s": 0.02, "world": world},
+            "simulation": {
+                "model": "demo",
+                "lamps": lamps,
+                "warm_up_s": 0.02,
+                "baudrate": 115200,
+                "world": world,
+            },
         }
     )
 

@@ -5,6 +5,7 @@ and the same coefficients within their uncertainty.
 """
 
 import json
+import os
 import random
 from dataclasses import replace
 from pathlib import Path
@@ -45,7 +46,7 @@ def files_for(folder: Path, bench: dict[str, Any], plan: Plan, **more: Any) -> S
 
 @pytest.fixture
 def sweep(tmp_path: Path) -> Sweep:
-    settings = in_process(tmp_path.name, tmp_path / "world")
+    settings = in_process(f"kill-{os.getpid()}", tmp_path / "world")
     return files_for(tmp_path, settings.model_dump(mode="json", exclude_none=True), PLAN)
 
 
@@ -135,7 +136,7 @@ def test_a_full_size_sweep_over_protocols_survives_ten_kills(tmp_path: Path):
         "camera_wait_s": ADDRESS_WAIT_S,
     }
     bench = {
-        "id": tmp_path.name,
+        "id": f"kill-{os.getpid()}",
         "camera": {"driver": "aravis"},
         "light": {"driver": "gen"},
         "monitor": {"driver": "keithley6485"},

@@ -39,6 +39,7 @@ def over_protocols(name: str, world: Path | None = None) -> BenchSettings:
                 "model": "demo",
                 "lamps": 1,
                 "warm_up_s": 0.05,
+                "baudrate": 115200,
                 "camera_wait_s": ADDRESS_WAIT_S,
                 "world": world,
             },
