@@ -31,7 +31,7 @@ class Options:
     """What `AravisCamera.open` was told."""
 
     packet_size: int | None
-    n_buffers: int
+    n_buffers: int | None
     frame_timeout_s: float
     raw_steps: RawSteps
 
@@ -63,7 +63,7 @@ class AravisCamera:
         address: str,
         *,
         packet_size: int | None = None,
-        n_buffers: int = 16,
+        n_buffers: int | None = None,
         frame_timeout_s: float = 2.0,
         raw_steps: RawSteps = UNKNOWN_STEPS,
     ) -> Self:
@@ -72,7 +72,8 @@ class AravisCamera:
         Args:
             address: Where the camera is, or who.
             packet_size: GigE Vision packet size in bytes; None: what the link carries.
-            n_buffers: Frames that may wait for the consumer.
+            n_buffers: Frames that may wait for the consumer; None: a second of them, if memory
+                allows.
             frame_timeout_s: How long beyond its period a frame may take.
             raw_steps: What steps of `GainRaw` and `BlackLevelRaw` are worth, where it has no other.
 

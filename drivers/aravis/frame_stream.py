@@ -1,7 +1,7 @@
 """One acquisition's stream: its buffers, and what comes out of them."""
 
 from dataclasses import dataclass
-from math import prod
+from math import ceil, prod
 
 from drivers.aravis.arrived_frame import ArrivedFrame
 from drivers.aravis.frame_ids import FrameIds
@@ -20,6 +20,18 @@ SOCKET_BUFFER_BYTES = 1 << 26
 """Only where the process may not open packet sockets, which have buffers of their own."""
 
 
+_BUFFERS_AT_LEAST, _BUFFER_BYTES = 16, 1 << 27
+
+
+def buffers_for(settings: CameraSettings, payload: int) -> int:
+    """Return how many frames of `payload` bytes may wait: those of one second.
+
+    So long may a busy machine leave the consumer asleep. Not more than 128 MB, but 16 in any case.
+    """
+    per_second = ceil(1e6 / (settings.frame_lines * settings.line_period_us))
+    return max(_BUFFERS_AT_LEAST, min(per_second, _BUFFER_BYTES // payload))
+
+
 @dataclass(frozen=True)
 class StreamOptions:
     """How to receive.
@@ -27,12 +39,12 @@ class StreamOptions:
     Attributes:
         packet_size: GigE Vision, bytes; None takes the largest that the link carries, found by
             test packets, where the camera can send them, else the camera's own.
-        n_buffers: Frames that may wait for the consumer.
+        n_buffers: Frames that may wait for the consumer; None: see `buffers_for`.
         byte_order: Of two-byte pixels.
     """
 
     packet_size: int | None = None
-    n_buffers: int = 16
+    n_buffers: int | None = None
     byte_order: ByteOrder = "little"
 
 
@@ -52,7 +64,7 @@ class FrameStream:
         self._payload = self._checked_payload()
         warm_up(FORMATS[settings.pixel_format])
         self._stream = self._created()
-        for _ in range(options.n_buffers):
+        for _ in range(options.n_buffers or buffers_for(settings, self._payload)):
             self._stream.push_buffer(new_buffer(self._payload))
 
     def pop(self, timeout_s: float) -> tuple[ArrivedFrame | LostFrame, ...]:

@@ -1,7 +1,6 @@
 """Each fault that users of Aravis meet, injected over loopback, ends in a clear error."""
 
 import time
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import dropwhile
 from pathlib import Path
@@ -190,17 +189,9 @@ def test_camera_that_sends_nothing_times_out_and_recovers(
         assert len(whole(camera.frames(3))) == 3
 
 
-@pytest.fixture
-def roomy(process: SimulatedCameraProcess) -> Iterator[AravisCamera]:
-    """A camera whose buffers hold a second or so: what is lost is lost by the fault alone."""
-    with opened(process.address, n_buffers=200) as camera:
-        yield camera
-
-
 def test_lost_packets_lose_frames_that_are_named_and_taken_again(
-    process: SimulatedCameraProcess, roomy: AravisCamera, lit: World, wanted: CameraSettings
+    process: SimulatedCameraProcess, camera: AravisCamera, lit: World, wanted: CameraSettings
 ) -> None:
-    camera = roomy
     used = camera.configure(replace(wanted, frame_lines=128))
     process.lose_packets(0.012)  # some 14 of the frames: neither none nor too many of them
     arrived = list(camera.frames(100))
@@ -216,12 +207,12 @@ def test_lost_packets_lose_frames_that_are_named_and_taken_again(
 
 
 def test_every_frame_is_accounted_for_even_when_its_leader_is_lost(
-    process: SimulatedCameraProcess, roomy: AravisCamera, wanted: CameraSettings
+    process: SimulatedCameraProcess, camera: AravisCamera, wanted: CameraSettings
 ) -> None:
     # Few packets, and the leader is one of three: some 17 frames lose theirs, some 50 are lost.
-    roomy.configure(replace(wanted, frame_lines=8, line_period_us=500.0))
+    camera.configure(replace(wanted, frame_lines=8, line_period_us=500.0))
     process.lose_packets(0.07)
-    arrived = list(roomy.frames(200))
+    arrived = list(camera.frames(200))
     # What is lost before the first whole frame has no number yet.
     ids = list(dropwhile(lambda number: number is None, (frame.frame_id for frame in arrived)))
     assert any("leader" in frame.reason for frame in arrived if isinstance(frame, LostFrame))
@@ -270,6 +261,18 @@ def test_a_slow_consumer_loses_frames_as_underruns_not_as_packets(
         assert all("underrun" in reason for reason in reasons)
         assert camera.stream_report.underruns >= len(reasons)
         assert camera.stream_report.missing_packets == 0
+
+
+def test_a_consumer_that_sleeps_for_less_than_a_second_loses_nothing(
+    camera: AravisCamera, wanted: CameraSettings
+) -> None:
+    camera.configure(wanted)
+    arrived = []
+    for frame in camera.frames(80):  # of 6.4 ms each
+        arrived.append(frame)
+        if len(arrived) == 1:
+            time.sleep(0.5)
+    assert not [frame for frame in arrived if isinstance(frame, LostFrame)]
 
 
 def test_packet_size_is_left_to_the_link_where_none_is_given(

@@ -22,9 +22,10 @@ KEYS = {
 
 
 def quick(chosen: ChosenBench) -> ChosenBench:
-    """Leave the slow lines out, under a name of its own: another demo may run meanwhile."""
+    """Leave slow lines and waits out, under a name of its own: another demo may run meanwhile."""
     mocks = {
         "id": f"demo-{os.getpid()}",
+        "camera": {"driver": "mock", "paced": False},
         "light": {"driver": "mock"},
         "monitor": {"driver": "mock", "integration_s": 0.001},
         "shutter": {"driver": "mock"},
