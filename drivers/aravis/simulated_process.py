@@ -1,15 +1,16 @@
 """Starts and stops a simulated GigE Vision camera in a process of its own."""
 
-import queue
+import os
 import signal
 import subprocess
 import sys
 import tempfile
-import threading
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
 
+from drivers.aravis.line_reader import LineReader
+from drivers.aravis.simulated import address_lock
 from drivers.errors import DeviceError
 
 _OBEYS_WITHIN_S = 30.0
@@ -49,7 +50,8 @@ class SimulatedCameraProcess:
         ready_within_s: float = 120.0,
     ) -> None:
         self.address = interface
-        self._arguments = [
+        self._command = [
+            *(sys.executable, "-m", "drivers.aravis.simulated"),
             *("--model", str(model.absolute() if isinstance(model, Path) else model)),
             *("--world", str(world)),
             *(() if serial is None else ("--serial", serial)),
@@ -59,10 +61,10 @@ class SimulatedCameraProcess:
         ]
         self._seeded: tuple[str, ...] = () if seed is None else ("--seed", str(seed))
         self._deadline_s = ready_within_s + wait_s
+        self._lock: int | None = None
         self._process: subprocess.Popen[str] | None = None
-        self._reader: threading.Thread | None = None
+        self._said: LineReader | None = None
         self._errors: IO[str] | None = None
-        self._answers: queue.Queue[str] = queue.Queue()
 
     def start(self) -> Self:
         """Start the camera; return once it answers.
@@ -71,24 +73,25 @@ class SimulatedCameraProcess:
             DeviceError: Code `simulated-camera-failed`, with what it said, when it does not start.
         """
         self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115  lives as long as the process
-        self._answers = queue.Queue()
+        if self._lock is None:
+            self._lock = address_lock.opened(self.address)
         seeded, self._seeded = self._seeded, ()
         self._process = subprocess.Popen(  # noqa: S603  our own module
-            [sys.executable, "-m", "drivers.aravis.simulated", *self._arguments, *seeded],
+            [*self._command, *seeded, "--lock", str(self._lock)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
             text=True,
             bufsize=1,
             process_group=0,
+            pass_fds=(self._lock,),
         )
-        self._reader = threading.Thread(
-            target=_forward_lines, args=(self._process.stdout, self._answers), daemon=True
-        )
-        self._reader.start()
+        if self._process.stdout is not None:
+            self._said = LineReader(self._process.stdout)
         if self._answer(self._deadline_s) != "ready":
             said = self.said()
             self.kill()
+            self._give_address_back()
             raise self._error(f"did not start: {said or 'it said nothing'}")
         return self
 
@@ -138,22 +141,22 @@ class SimulatedCameraProcess:
         self._signal(signal.SIGCONT)
 
     def kill(self) -> None:
-        """Fault: die at once, as a camera does that is unplugged."""
+        """Fault: die at once, as a camera does that is unplugged; nobody else gets its address."""
         if self._process is not None:
             self._process.kill()
             self._release()
 
     def stop(self) -> None:
         """End the camera in an orderly way; safe to call twice."""
-        if self._process is None or self._process.stdin is None:
-            return
-        self._process.stdin.close()
-        self.wake()
-        try:
-            self._process.wait(5.0)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-        self._release()
+        if self._process is not None and self._process.stdin is not None:
+            self._process.stdin.close()
+            self.wake()
+            try:
+                self._process.wait(5.0)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+            self._release()
+        self._give_address_back()
 
     def __enter__(self) -> Self:
         return self.start()
@@ -175,10 +178,7 @@ class SimulatedCameraProcess:
             raise self._error(f"did not obey `{command}`: {self.said()}")
 
     def _answer(self, timeout_s: float) -> str:
-        try:
-            return self._answers.get(timeout=timeout_s)
-        except queue.Empty:
-            return ""
+        return "" if self._said is None else self._said.next(timeout_s)
 
     def _signal(self, number: signal.Signals) -> None:
         if self._process is None:
@@ -189,20 +189,18 @@ class SimulatedCameraProcess:
         if self._process is None:
             return
         self._process.wait()
-        if self._reader is not None:
-            self._reader.join()
+        if self._said is not None:
+            self._said.join()
         for stream in (self._process.stdin, self._process.stdout, self._errors):
             if stream is not None:
                 stream.close()
         self._process = None
 
+    def _give_address_back(self) -> None:
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
+
     def _error(self, what: str) -> DeviceError:
         device = f"simulated camera at {self.address}"
         return DeviceError(f"{device} {what}", device=device, code="simulated-camera-failed")
-
-
-def _forward_lines(stream: IO[str] | None, to: "queue.Queue[str]") -> None:
-    """Hand on each line, then an empty one when the process has closed its end."""
-    for line in stream or ():
-        to.put(line.strip())
-    to.put("")

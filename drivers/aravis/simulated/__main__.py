@@ -44,7 +44,8 @@ def _serve(arguments: argparse.Namespace, stop: threading.Event) -> None:
     model = Model.named(arguments.model)
     world = World(arguments.world)
     limits = CameraLimits(model.camera.columns, model.camera.bit_depth, model.camera.rows)
-    with held(arguments.interface, arguments.wait), tempfile.TemporaryDirectory() as folder:
+    address = held(arguments.interface, arguments.wait, arguments.lock)
+    with address, tempfile.TemporaryDirectory() as folder:
         description = Path(folder) / "linescan.xml"
         description.write_text(described(limits, arguments.dialect), encoding="utf-8")
         rng = np.random.default_rng(arguments.seed)
@@ -85,6 +86,7 @@ def _arguments() -> argparse.Namespace:
     add("--seed", type=int, default=None, help="of the noise")
     add("--dialect", choices=("sfnc2", "sfnc1"), default="sfnc2", help="how it names features")
     add("--wait", type=float, default=0.0, help="seconds to wait for an address that is taken")
+    add("--lock", type=int, default=None, help="descriptor of the address' lock, of the starter")
     add("--detached", action="store_true", help="outlive the starter; end by SIGTERM")
     return parser.parse_args()
 

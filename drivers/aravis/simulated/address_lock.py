@@ -11,6 +11,7 @@ but Aravis looks its address up in `getifaddrs`, which lists only what an interf
 """
 
 import fcntl
+import os
 import socket
 import tempfile
 import time
@@ -25,15 +26,20 @@ _RETRY_S = 0.05
 
 
 @contextmanager
-def held(address: str, wait_s: float) -> Iterator[None]:
+def held(address: str, wait_s: float, lock: int | None = None) -> Iterator[None]:
     """Hold `address` for a simulated camera; the system lets go of it when the process dies.
+
+    Args:
+        address: An address of this machine.
+        wait_s: How long to wait while somebody else holds it.
+        lock: What `opened` returned to the process that started this one, where that wants to keep
+            the address beyond our death; whoever has it open holds it.
 
     Raises:
         DeviceBusyError: Somebody else holds it after `wait_s`; code `address-taken`.
     """
-    path = Path(tempfile.gettempdir()) / f"darkflat-gige-vision-{address}-{_network()}.lock"
     deadline_s = time.monotonic() + wait_s
-    with path.open("a") as file:
+    with os.fdopen(opened(address) if lock is None else lock, "r+") as file:
         while not (_locked(file.fileno()) and _port_free(address)):
             if time.monotonic() >= deadline_s:
                 raise DeviceBusyError(
@@ -45,6 +51,19 @@ def held(address: str, wait_s: float) -> Iterator[None]:
                 )
             time.sleep(_RETRY_S)
         yield
+
+
+def opened(address: str) -> int:
+    """Open the file whose lock stands for `address`, and return its descriptor."""
+    path = Path(tempfile.gettempdir()) / f"darkflat-gige-vision-{address}-{_network()}.lock"
+    flags = os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW
+    try:
+        # Without O_CREAT: in a shared folder the system refuses it for other users' files.
+        return os.open(path, flags)
+    except FileNotFoundError:
+        descriptor = os.open(path, flags | os.O_CREAT, 0o666)
+        os.fchmod(descriptor, 0o666)
+        return descriptor
 
 
 def _network() -> int:

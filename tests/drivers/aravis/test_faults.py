@@ -10,6 +10,7 @@ import pytest
 from drivers.aravis import frame_stream
 from drivers.aravis.camera import AravisCamera
 from drivers.aravis.gi_aravis import connect, new_buffer
+from drivers.aravis.simulated.address_lock import held
 from drivers.aravis.simulated_process import SimulatedCameraProcess
 from drivers.errors import (
     DeviceBusyError,
@@ -327,6 +328,15 @@ def test_second_simulated_camera_at_an_address_says_that_it_is_taken(
         SimulatedCameraProcess(model_path, world_path, interface=process.address).start()
     assert caught.value.code == "simulated-camera-failed"
     assert "taken" in str(caught.value)
+
+
+def test_nobody_gets_the_address_of_a_camera_that_was_killed_before_it_is_stopped(
+    process: SimulatedCameraProcess,
+) -> None:
+    """Others would answer in its stead, as nothing does where a camera was unplugged."""
+    process.kill()
+    with pytest.raises(DeviceBusyError, match="taken"), held(process.address, wait_s=0.0):
+        pass
 
 
 def test_simulated_camera_at_an_address_that_is_not_ours_says_so(
