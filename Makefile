@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PEERS := .venv-peers
+# Tests side by side; one of the workers has all that need the one simulated camera. 0: one by one.
+WORKERS ?= 2
 # Options and rows of the benchmarks, e.g. make bench BENCH="--quick sums fit"
 BENCH ?=
 # Writing a compiled loop once per machine, not once per process.
@@ -25,7 +27,7 @@ demo: setup
 	$(BIN)/darkflat demo --out demo
 
 test: setup
-	$(BIN)/pytest
+	$(BIN)/pytest -n $(WORKERS)
 
 check: setup
 	$(BIN)/ruff format --check .

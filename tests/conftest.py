@@ -6,6 +6,7 @@ With DARKFLAT_NO_SKIPS=1 a skipped test fails: where everything is installed, a 
 import os
 import signal
 from collections.abc import Generator, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -27,12 +28,29 @@ def pytest_configure() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Give each worker whole files, and one of them all that need the one simulated camera.
+
+    What the tests of a file have in common is then made once, and nobody waits for the camera's
+    address. (xdist's own groups are lost with a pytest in which a node's id cannot be changed.)
+    """
+    from xdist.scheduler import LoadScopeScheduling
+
+    class FilesTogether(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file = nodeid.partition("::")[0]
+            return "camera" if needs_camera(config.rootpath / file) else file
+
+    return FilesTogether(config, log)
+
+
+@cache
+def needs_camera(file: Path) -> bool:
+    return "pytest.mark.aravis" in file.read_text("utf-8")
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    for item in items:
-        # One simulated camera at a time can hold the address: its tests share a worker. Those of
-        # any other file do, too: what they have in common is made once.
-        group = "camera" if item.get_closest_marker("aravis") else item.nodeid.partition("::")[0]
-        item.add_marker(pytest.mark.xdist_group(group))
     if config.getoption("--bench") is not None:
         return
     skip = pytest.mark.skip(reason="needs a real bench: --bench BENCH.toml")

@@ -95,27 +95,27 @@ class PtyLine:
             )
 
     def _serve(self) -> None:
-        while True:
-            with self._order:
-                if self._is_stopping:
-                    return
-                self._obey()
+        try:
+            while self._obey():
                 if self._ends is None:
-                    self._order.wait(_IDLE_S)
-            if self._ends is None:
-                self.device.tick()
-            else:
-                self._serve_once(self._ends[0])
+                    self.device.tick()
+                else:
+                    self._serve_once(self._ends[0])
+        finally:
+            self.stop()  # nobody waits for a thread that a defect has ended
 
-    def _obey(self) -> None:
-        """Plug in or out as is wanted."""
-        if self._is_wanted == (self._ends is not None):
-            return
-        if self._is_wanted:
-            self._plug_in()
-        else:
-            self._unplug()
-        self._order.notify_all()
+    def _obey(self) -> bool:
+        """Plug in or out as is wanted, rest where it is out; return False where it is to end."""
+        with self._order:
+            if self._is_wanted != (self._ends is not None):
+                if self._is_wanted:
+                    self._plug_in()
+                else:
+                    self._unplug()
+                self._order.notify_all()
+            if self._ends is None and not self._is_stopping:
+                self._order.wait(_IDLE_S)
+            return not self._is_stopping
 
     def _serve_once(self, master: int) -> None:
         now = time.monotonic()
