@@ -15,16 +15,13 @@ from numpy.typing import NDArray
 Cells = NDArray[np.float64]
 
 _HARMONICS = 8
-_INVERTED_HARMONICS = 5  # the sixth is below 1e-19 at σ = 0.25, the least that is inverted
-_NEWTON_STEPS = 12
-_CONVERGED_DN = 1e-7  # each step squares the error
-_TILE = 1024
+TILE = 1024
 _TO_NEAREST = 1.5 * 2.0**52  # what adding and subtracting it leaves is a whole number
 _SINE = tuple((-1.0) ** n / factorial(2 * n + 1) for n in range(7))
 _COSINE = tuple((-1.0) ** n / factorial(2 * n) for n in range(8))
 _DECAY = tuple((-1.0) ** n / factorial(n) for n in range(11))
-_PER_PI = tuple((-1.0) ** k / (pi * k) for k in range(1, _HARMONICS + 1))
-_PER_PI2 = tuple(1.0 / (pi * k) ** 2 for k in range(1, _HARMONICS + 1))
+PER_PI = tuple((-1.0) ** k / (pi * k) for k in range(1, _HARMONICS + 1))
+PER_PI2 = tuple(1.0 / (pi * k) ** 2 for k in range(1, _HARMONICS + 1))
 
 
 def moments(
@@ -44,20 +41,6 @@ def moments(
     return expected, variance, gain
 
 
-def inverted(code_dn: Cells, sigma_dn: Cells, *, smallest_dn: float, negligible_dn: float) -> Cells:
-    """Return µ of which `code_dn` is the expected value, by Newton's method, (n,).
-
-    Args:
-        code_dn: (n,); NaN gives NaN.
-        sigma_dn: (n,); where below `smallest_dn`, 0.25 or more, the code itself is returned.
-        smallest_dn: See `sigma_dn`.
-        negligible_dn: As for `moments`.
-    """
-    mean = code_dn.copy()
-    _invert(code_dn, sigma_dn, smallest_dn**2, negligible_dn**2, mean)
-    return mean
-
-
 def mean_square_bias(sigma_dn: Cells, *, negligible_dn: float) -> Cells:
     """Return the square of the bias averaged over all phases of µ, DN², (n,)."""
     filled = np.empty(sigma_dn.size)
@@ -74,7 +57,7 @@ def _polynomial(x, coefficients):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _turn(cycles):  # type: ignore[no-untyped-def]
+def turn(cycles):  # type: ignore[no-untyped-def]
     """Return cosine and sine of 2π·cycles, from a quarter of the angle doubled twice."""
     angle = 0.5 * pi * (cycles - ((cycles + _TO_NEAREST) - _TO_NEAREST))
     square = angle * angle
@@ -84,7 +67,7 @@ def _turn(cycles):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _decay(x):  # type: ignore[no-untyped-def]
+def decay(x):  # type: ignore[no-untyped-def]
     """Return exp(-x) for 0 ≤ x ≤ 60 to a relative 1e-12: exp(-x/256), squared eight times."""
     value = _polynomial(x * (1.0 / 256.0), _DECAY)
     for _ in range(8):
@@ -98,15 +81,15 @@ def _fill_moments(mean, sigma, smallest2, negligible2, filled):  # type: ignore[
     for i in range(mean.size):
         sigma2 = sigma[i] * sigma[i]
         taken2 = max(sigma2, smallest2)
-        damp = _decay(2.0 * pi * pi * min(taken2, negligible2))
-        cosine, sine = _turn(mean[i])
+        damp = decay(2.0 * pi * pi * min(taken2, negligible2))
+        cosine, sine = turn(mean[i])
         cos_k, sin_k, q_k, step = cosine, sine, damp, damp
         bias, slope, extra = 0.0, 0.0, 0.0
         for k in range(_HARMONICS):
             along = (2.0 * (k % 2) - 1.0) * q_k * cos_k
-            bias += _PER_PI[k] * q_k * sin_k
+            bias += PER_PI[k] * q_k * sin_k
             slope += 2.0 * along
-            extra += along * (_PER_PI2[k] + 4.0 * taken2)
+            extra += along * (PER_PI2[k] + 4.0 * taken2)
             cos_k, sin_k = cos_k * cosine - sin_k * sine, sin_k * cosine + cos_k * sine
             step = step * (damp * damp)
             q_k = q_k * step
@@ -116,48 +99,19 @@ def _fill_moments(mean, sigma, smallest2, negligible2, filled):  # type: ignore[
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _bias_and_slope(mean, damp):  # type: ignore[no-untyped-def]
-    cosine, sine = _turn(mean)
-    cos_k, sin_k, q_k, step = cosine, sine, damp, damp
-    bias, slope = 0.0, 0.0
-    for k in range(_INVERTED_HARMONICS):
-        bias += _PER_PI[k] * q_k * sin_k
-        slope += (4.0 * (k % 2) - 2.0) * q_k * cos_k
-        cos_k, sin_k = cos_k * cosine - sin_k * sine, sin_k * cosine + cos_k * sine
+def bias2_and_decay(sigma2, negligible2):  # type: ignore[no-untyped-def]
+    """Return the mean square of the bias and minus its derivative to the noise's variance."""
+    damp = decay(4.0 * pi * pi * min(sigma2, negligible2))
+    q_k, step, total, falling = damp, damp, 0.0, 0.0
+    for k in range(_HARMONICS):
+        total += 0.5 * PER_PI2[k] * q_k
+        falling += 2.0 * q_k
         step = step * (damp * damp)
         q_k = q_k * step
-    return bias, slope
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _invert(code, sigma, smallest2, negligible2, mean):  # type: ignore[no-untyped-def]
-    for left in range(0, code.size, _TILE):
-        right = min(left + _TILE, code.size)
-        wanted, estimate, width = code[left:right], mean[left:right], sigma[left:right]
-        damp = np.empty(right - left)
-        for i in range(right - left):
-            sigma2 = width[i] * width[i]
-            damped = _decay(2.0 * pi * pi * min(sigma2, negligible2))
-            damp[i] = damped if sigma2 >= smallest2 else 0.0
-        for _ in range(_NEWTON_STEPS):
-            moving = 0
-            for i in range(right - left):
-                bias, slope = _bias_and_slope(estimate[i], damp[i])
-                step = (wanted[i] - estimate[i] - bias) / (1.0 + slope)
-                step = min(max(step, -0.25), 0.25)
-                estimate[i] += step
-                moving += abs(step) > _CONVERGED_DN
-            if moving == 0:
-                break
+    return total, falling
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _fill_mean_square_bias(sigma, negligible2, filled):  # type: ignore[no-untyped-def]
     for i in range(sigma.size):
-        damp = _decay(4.0 * pi * pi * min(sigma[i] * sigma[i], negligible2))
-        q_k, step, total = damp, damp, 0.0
-        for k in range(_HARMONICS):
-            total += 0.5 * _PER_PI2[k] * q_k
-            step = step * (damp * damp)
-            q_k = q_k * step
-        filled[i] = total
+        filled[i], _ = bias2_and_decay(sigma[i] * sigma[i], negligible2)

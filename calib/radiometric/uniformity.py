@@ -16,6 +16,8 @@ from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.block_statistics import BlockStatistics
 
 LINES_AT_MOST = 2048
+LINES_AT_ONCE = 8
+"""What is worked out for so few lines stays in a core's cache."""
 
 
 @dataclass(frozen=True)
@@ -73,17 +75,22 @@ def uniformity(
         lines: Those lines themselves, for the figures of single lines; stretches of them.
     """
     exposure = held_out.block.exposure_us
-    before, after, cleaned = _variations(coefficients, held_out.mean_dn[None, :], exposure)
+    mean_line = held_out.mean_dn[None, :]
     single: list[tuple[Columns, Columns]] = []
     seen = 0
     for stretch in lines:
         if seen >= LINES_AT_MOST:
             break
-        single.append(_variations(coefficients, stretch, exposure)[:2])
+        for first in range(0, len(stretch), LINES_AT_ONCE):
+            few = stretch[first : first + LINES_AT_ONCE]
+            single.append(_before_and_after(coefficients, few, exposure))
         seen += len(stretch)
     raw, corrected = (
         (np.concatenate(v) for v in zip(*single, strict=True)) if seen else (None, None)
     )
+    before, after = _before_and_after(coefficients, mean_line, exposure)
+    above = mean_line - coefficients.dark_level_dn(exposure)
+    cleaned = _percent((above / coefficients.vignette)[:, coefficients.valid])
     return Uniformity(
         block=held_out.block.block,
         n_lines=held_out.n_lines,
@@ -95,18 +102,20 @@ def uniformity(
     )
 
 
-def _variations(
+def _before_and_after(
     coefficients: CoefficientSet, dn: RawLines | Columns, exposure_us: float
-) -> tuple[Columns, Columns, Columns]:
-    """Return, in percent and by line: of DN/VE, of radiance, of (DN − dark)/VE."""
+) -> tuple[Columns, Columns]:
+    """Return, in percent and by line: of DN/VE, of radiance."""
     use = coefficients.valid
     codes = dn[:, use].astype(np.float64)
     above = codes - coefficients.dark_level_dn(exposure_us)[use]
-    vignette = coefficients.vignette[use]
-    radiance = above / (coefficients.slope[use] * exposure_us)
-    return _percent(codes / vignette), _percent(radiance), _percent(above / vignette)
+    radiance = above * (1.0 / (coefficients.slope[use] * exposure_us))
+    return _percent(codes * (1.0 / coefficients.vignette[use])), _percent(radiance)
 
 
 def _percent(values: Columns) -> Columns:
     """Return 100·standard deviation / mean along the columns, (n_lines,)."""
-    return np.asarray(100.0 * values.std(axis=1, ddof=1) / values.mean(axis=1))
+    mean = values.mean(axis=1)
+    away = values - mean[:, None]
+    variance = np.einsum("ij,ij->i", away, away) / (values.shape[1] - 1)
+    return np.asarray(100.0 * np.sqrt(variance) / mean)

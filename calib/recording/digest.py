@@ -2,12 +2,11 @@
 
 import hashlib
 import json
-from collections import deque
 from collections.abc import Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 from calib.arrays import RawLines
+from calib.recording.behind import Behind
 from calib.recording.header import RecordingHeader
 from calib.recording.protocol import Recording
 
@@ -46,8 +45,7 @@ class DigestedWhileRead:
         self._names = [block.block for block in recording.header.blocks]
         self._n_digested = 0
         self._broken_off = False
-        self._thread = ThreadPoolExecutor(1)
-        self._behind: deque[Future[None]] = deque()
+        self._behind = Behind(_FRAMES_BEHIND)
 
     @property
     def path(self) -> Path:
@@ -72,7 +70,7 @@ class DigestedWhileRead:
 
     def digest(self) -> str:
         """SHA-256 over header and frames."""
-        self._catch_up(0)
+        self._behind.catch_up()
         whole = self._n_digested == len(self._names) and not self._broken_off
         return self._sha.hexdigest() if whole else self._recording.digest()
 
@@ -80,21 +78,12 @@ class DigestedWhileRead:
         self._broken_off = True  # until the end is reached
         n_lines = 0
         for dn in frames:
-            self._digest(dn.data)
+            self._behind.submit(self._sha.update, dn.data)
             n_lines += len(dn)
             yield dn
-        self._digest(_end_of(block, n_lines))
+        self._behind.submit(self._sha.update, _end_of(block, n_lines))
         self._n_digested += 1
         self._broken_off = False
-
-    def _digest(self, part: bytes | memoryview) -> None:
-        self._catch_up(_FRAMES_BEHIND)
-        self._behind.append(self._thread.submit(self._sha.update, part))
-
-    def _catch_up(self, n_behind: int) -> None:
-        """Wait until no more than `n_behind` parts are left to digest."""
-        while len(self._behind) > n_behind:
-            self._behind.popleft().result()
 
 
 def _end_of(block: str, n_lines: int) -> bytes:

@@ -8,12 +8,15 @@ from calib.arrays import RawLines
 from calib.errors import DarkflatError, InputError
 from calib.kernels.line_sums import LineSums
 from calib.kernels.sums import line_sums
+from calib.recording.behind import Behind
 from calib.recording.block_statistics import BlockStatistics, RecordingStatistics
 from calib.recording.gathered import gathered
 from calib.recording.header import Block, CameraHeader
 from calib.recording.protocol import Recording
 from calib.recording.tone import Tone
 from calib.recording.tone_removal import ToneSums, check_tone, tone_sums, without_tone
+
+_FRAMES_BEHIND = 2
 
 Progress = Callable[[float], None]
 """Called with the fraction done, 0 … 1."""
@@ -38,8 +41,9 @@ def column_statistics(
 ) -> RecordingStatistics:
     """Return mean, variance and clip counts of every column of every block.
 
-    Sums are whole numbers and exact; memory does not grow with the number of lines. An area
-    sensor's pixels are flattened, its frames counted as lines.
+    Sums are whole numbers and exact; memory does not grow with the number of lines. A frame is
+    added up while the next one is read. An area sensor's pixels are flattened, its frames counted
+    as lines.
 
     Args:
         recording: Is read once.
@@ -60,19 +64,22 @@ def column_statistics(
     blocks = recording.header.blocks
     fit: list[BlockStatistics] = []
     held_out: list[BlockStatistics] = []
-    for number, block in enumerate(blocks):
-        sums = _BlockSums(recording.header.camera, tone, held_out_every)
-        frames = recording.frames(block.block)
-        for dn in gathered(frames) if recording.header.camera.rows else frames:
-            if cancelled():
-                raise CancelledError(f"stopped in block {block.block}", code="cancelled")
-            sums.add(dn)
+    with Behind(_FRAMES_BEHIND) as adder:
+        for number, block in enumerate(blocks):
+            sums, n_lines = _BlockSums(recording.header.camera, tone, held_out_every), 0
+            frames = recording.frames(block.block)
+            for dn in gathered(frames) if recording.header.camera.rows else frames:
+                if cancelled():
+                    raise CancelledError(f"stopped in block {block.block}", code="cancelled")
+                adder.submit(sums.add, dn)
+                n_lines += len(dn)
+                if progress is not None:
+                    progress((number + min(1.0, n_lines / (block.lines or np.inf))) / len(blocks))
+            adder.catch_up()
             if progress is not None:
-                progress((number + min(1.0, sums.n_lines / (block.lines or np.inf))) / len(blocks))
-        if progress is not None:
-            progress((number + 1) / len(blocks))
-        fit.append(sums.fit(block))
-        held_out.extend(sums.held_out(block))
+                progress((number + 1) / len(blocks))
+            fit.append(sums.fit(block))
+            held_out.extend(sums.held_out(block))
     return RecordingStatistics(tuple(fit), tuple(held_out))
 
 

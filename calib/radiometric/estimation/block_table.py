@@ -54,5 +54,15 @@ class BlockTable:
             clipped=np.array(clipped, np.bool_).reshape(len(chosen), n_columns),
         )
 
+    def followed_by(self, other: "BlockTable") -> "BlockTable":
+        """Return the blocks of both."""
+        return BlockTable(
+            self.blocks + other.blocks,
+            *(
+                np.concatenate([getattr(self, name), getattr(other, name)])
+                for name in ("exposure_us", "n_lines", "mean_dn", "variance_dn2", "clipped")
+            ),
+        )
+
     def __len__(self) -> int:
         return len(self.blocks)

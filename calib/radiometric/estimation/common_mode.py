@@ -113,16 +113,15 @@ def common_mode(
 
 def mean_residual(fit: JointFit, mean_slope: float) -> Columns:
     """Return each block's residual, as of the mean slope, averaged by weight, (n_blocks,)."""
-    share = np.where(fit.weights > 0, fit.slope / mean_slope, 0.0)
-    above = np.nansum(fit.weights * share * np.nan_to_num(fit.residual_dn), axis=1)
-    below = np.nansum(fit.weights * share**2, axis=1)
+    share = np.nan_to_num(fit.slope / mean_slope)
+    above = np.einsum("bi,bi,i->b", fit.weights, np.nan_to_num(fit.residual_dn), share)
+    below = fit.weights @ share**2
     return np.where(below > 0, above / np.where(below > 0, below, 1.0), 0.0)
 
 
 def _own_variance(fit: JointFit, mean_slope: float) -> Columns:
     """Return what the columns' own noise leaves in `mean_residual`, DN², (n_blocks,)."""
-    share = np.where(fit.weights > 0, fit.slope / mean_slope, 0.0)
-    below = np.nansum(fit.weights * share**2, axis=1)
+    below = fit.weights @ np.nan_to_num(fit.slope / mean_slope) ** 2
     return np.where(below > 0, 1.0 / np.where(below > 0, below, 1.0), 0.0)
 
 

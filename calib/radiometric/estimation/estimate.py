@@ -3,7 +3,7 @@
 AgCam (Olsen et al. 2010), section 5.1, with weights, a selection rule and levels of any number.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,19 +14,26 @@ from calib.kernels.column_fit import fit_lines
 from calib.radiometric.coefficients.column_state import ColumnState
 from calib.radiometric.estimation.block_table import BlockTable, Cells, Mask
 from calib.radiometric.estimation.column_check import check_columns, unchanging
-from calib.radiometric.estimation.dark_comparison import (
+from calib.radiometric.estimation.dark_current import (
+    ClearDarks,
     DarkCurrent,
     dark_block_noise_dn,
     dark_current,
 )
-from calib.radiometric.estimation.first_levels import first_levels
+from calib.radiometric.estimation.first_levels import first_levels, first_weights
 from calib.radiometric.estimation.joint_fit import JointFit, fit_jointly
 from calib.radiometric.estimation.noise_model import NoiseModel, fit_noise_model
 from calib.radiometric.estimation.radiance_table import LevelGroups
-from calib.radiometric.estimation.rounding import typical_variance, unrounded_mean
+from calib.radiometric.estimation.rounding import (
+    NEGLIGIBLE_SIGMA_DN,
+    typical_variance,
+    unrounded_mean,
+)
 from calib.radiometric.estimation.selection import collapsed, within_range
 
 ROUNDS = 4
+NEAR_SHARE = 1e-3
+"""What differs by less of its standard uncertainty makes the same weights."""
 
 
 @dataclass(frozen=True)
@@ -52,12 +59,13 @@ class LineEstimate:
 
 @dataclass(frozen=True)
 class _Sight:
-    """What does not change from round to round."""
+    """What a round starts from, but for the fit before."""
 
     flats: BlockTable
     darks: BlockTable
+    both: BlockTable
     groups: LevelGroups
-    still: NDArray[np.bool_]
+    eligible: Mask
     full_scale_dn: int
 
 
@@ -71,7 +79,6 @@ class _Round:
     block_noise_dn: float
     use: Mask
     mean_dn: Cells
-    weights: Cells
 
 
 def estimate_lines(
@@ -83,31 +90,41 @@ def estimate_lines(
         NotDeterminedError: `one-exposure`, `all-saturated`, `no-temporal-noise`,
             `no-valid-column`.
     """
-    still = unchanging(flats, darks)
-    use = ~flats.clipped & ~still
+    alive = ~unchanging(flats, darks)
+    use = ~flats.clipped & alive
     start = first_levels(flats, groups, use)
-    equal = use.astype(np.float64)
-    fit = fit_jointly(flats.mean_dn, equal, flats.exposure_us, groups.of_block, start)
-    sight = _Sight(flats, darks, groups, still, full_scale_dn)
-    noise = _noise(flats, darks, fit, use)
+    rough = np.where(use, first_weights(flats, use)[:, None], 0.0)
+    fit = fit_jointly(flats.mean_dn, rough, flats.exposure_us, groups.of_block, start)
+    sight = _Sight(flats, darks, flats.followed_by(darks), groups, alive, full_scale_dn)
     none = DarkCurrent.none(flats.mean_dn.shape[1])
-    state = _improve(sight, fit, noise, none)
+    state = _improve(sight, fit, _noise(sight, fit, use), none)
+    last = None
     for _ in range(ROUNDS):
-        last, noise = state, _noise(flats, darks, state.fit, state.use, state.noise)
-        state = _improve(sight, state.fit, noise, state.current)
-        if (state.use == last.use).all() and state.noise.is_near(last.noise):
+        noise = _noise(sight, state.fit, state.use, state.noise)
+        if last and _settled(state, last) and noise.is_near(state.noise, NEAR_SHARE):
             break
+        if last:  # a cell at the limit would come and go for ever: now it may only go
+            sight = replace(sight, eligible=state.use)
+        last, state = state, _improve(sight, state.fit, noise, state.current)
     longest = state.current.dn_per_us * flats.exposure_us.max()
     reason = check_columns(flats, darks, state.fit.lines, longest, full_scale_dn)
     valid = reason == ColumnState.VALID
     if not valid.any():
         raise _none_valid(reason)
-    weights = np.where(valid, state.weights, 0.0)
-    levels = state.fit.relative_level
-    fit = fit_jointly(state.mean_dn, weights, flats.exposure_us, groups.of_block, levels)
+    fit = state.fit
+    if (fit.weights[:, ~valid] > 0).any():
+        weights = np.where(valid, state.fit.weights, 0.0)
+        levels = state.fit.relative_level
+        fit = fit_jointly(state.mean_dn, weights, flats.exposure_us, groups.of_block, levels)
     return LineEstimate(
         fit, state.noise, state.current, state.block_noise_dn, reason, state.mean_dn
     )
+
+
+def _settled(state: _Round, last: _Round) -> bool:
+    """Return whether a round chose the cells and found the dark current of the last one."""
+    same = bool((state.use == last.use).all())
+    return same and state.current.is_near(last.current, NEAR_SHARE)
 
 
 def _improve(sight: _Sight, fit: JointFit, noise: NoiseModel, last: DarkCurrent) -> _Round:
@@ -116,38 +133,33 @@ def _improve(sight: _Sight, fit: JointFit, noise: NoiseModel, last: DarkCurrent)
     What is converted is light and dark signal together: both have shot noise, and both fill the
     range of codes.
     """
-    flats, darks, groups = sight.flats, sight.darks, sight.groups
-    block_noise = dark_block_noise_dn(darks, noise, last)
-    current = dark_current(darks, noise, last, block_noise)
+    flats, groups = sight.flats, sight.groups
+    darks = ClearDarks.of(sight.darks, noise, last)
+    block_noise = dark_block_noise_dn(darks)
+    current = dark_current(darks, block_noise)
     grown = current.at(flats.exposure_us)
     predicted = fit.predicted_dn() + (grown if last.seen else 0.0)
     sigma = noise.sigma_dn(predicted - fit.offset)
-    use = within_range(predicted, sigma, sight.full_scale_dn) & ~sight.still
+    use = within_range(predicted, sigma, sight.full_scale_dn) & sight.eligible
     use &= ~collapsed(flats.variance_dn2, typical_variance(sigma), flats.n_lines)
-    restored = unrounded_mean(flats.mean_dn, np.where(use, sigma, 1.0))
+    restored = unrounded_mean(flats.mean_dn, np.where(use, sigma, NEGLIGIBLE_SIGMA_DN))
     mean = restored.mean_dn - grown
     variance = restored.variance_of_one_dn2 / flats.n_lines[:, None]
     weights = np.where(use, 1.0 / (variance + restored.variance_left_dn2), 0.0)
     levels = fit.relative_level
     fitted = fit_jointly(mean, weights, flats.exposure_us, groups.of_block, levels)
-    return _Round(fitted, noise, current, block_noise, use, mean, weights)
+    return _Round(fitted, noise, current, block_noise, use, mean)
 
 
-def _noise(
-    flats: BlockTable, darks: BlockTable, fit: JointFit, use: Mask, start: NoiseModel | None = None
-) -> NoiseModel:
+def _noise(sight: _Sight, fit: JointFit, use: Mask, start: NoiseModel | None = None) -> NoiseModel:
     """Fit the photon-transfer line to flats and unclipped darks together."""
-    offset = fit.offset
-    if not len(darks):
-        return fit_noise_model(
-            flats.mean_dn, flats.variance_dn2, flats.n_lines, offset, use, start=start
-        )
+    both, darks = sight.both, ~sight.darks.clipped & use.any(axis=0)
     return fit_noise_model(
-        np.vstack([flats.mean_dn, darks.mean_dn]),
-        np.vstack([flats.variance_dn2, darks.variance_dn2]),
-        np.concatenate([flats.n_lines, darks.n_lines]),
-        offset,
-        np.vstack([use, ~darks.clipped & use.any(axis=0)]),
+        both.mean_dn,
+        both.variance_dn2,
+        both.n_lines,
+        fit.offset,
+        np.vstack([use, darks]),
         start=start,
     )
 
@@ -160,6 +172,8 @@ def current_variances(
     An error δ of the dark current shifts the means by −δ·t, and the lines by −δ times the line
     that is fitted to t itself.
     """
+    if not estimate.current.seen:
+        return estimate.current.std, estimate.current.std, estimate.current.std
     times = np.broadcast_to(exposure_us[:, None], estimate.fit.weights.shape).astype(np.float64)
     lines = fit_lines(times, estimate.fit.weights, np.nan_to_num(estimate.fit.x_us))
     variance = estimate.current.std**2

@@ -30,14 +30,21 @@ def first_levels(flats: BlockTable, groups: LevelGroups, use: Mask) -> Columns:
     expected = np.outer(flats.exposure_us, lines.slope)
     above = flats.mean_dn - lines.offset
     seen = use & np.isfinite(expected) & (expected > 0)
-    start = np.full(len(groups.level), np.nan)
-    for g in range(len(start)):
-        cells = seen & (groups.of_block == g)[:, None]
-        if cells.any():
-            start[g] = float(np.median(above[cells] / expected[cells]))
-    start[start <= 0] = np.nan
+    n_groups = len(groups.level)
+    per_block = (np.where(seen, each, 0.0).sum(axis=1) for each in (above, expected))
+    seen_dn, expected_dn = (np.bincount(groups.of_block, each, n_groups) for each in per_block)
+    start = np.full(n_groups, np.nan)
+    np.divide(seen_dn, expected_dn, out=start, where=(expected_dn > 0) & (seen_dn > 0))
     start[reference] = 1.0
     return start
+
+
+def first_weights(flats: BlockTable, use: Mask) -> Columns:
+    """Return what a mean of each block is worth, (n_blocks,): lines over the pooled variance."""
+    seen = use & (flats.variance_dn2 > 0)
+    pooled = np.where(seen, flats.variance_dn2, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
+    usual = pooled[pooled > 0].mean() if pooled.any() else 1.0
+    return np.asarray(flats.n_lines / np.where(pooled > 0, pooled, usual))
 
 
 def _no_sweep(flats: BlockTable, groups: LevelGroups) -> NotDeterminedError:

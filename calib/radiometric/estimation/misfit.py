@@ -17,7 +17,7 @@ from calib.arrays import Columns
 from calib.kernels.column_fit import fit_lines
 from calib.radiometric.estimation.block_table import Cells
 from calib.radiometric.estimation.common_mode import CommonMode, mean_residual
-from calib.radiometric.estimation.dark_comparison import DarkCurrent
+from calib.radiometric.estimation.dark_current import DarkCurrent
 from calib.radiometric.estimation.joint_fit import JointFit
 
 

@@ -16,13 +16,14 @@ import numpy as np
 
 from calib.arrays import Columns
 from calib.errors import NotDeterminedError
+from calib.kernels.noise_sums import NoiseSums, noise_sums
 from calib.radiometric.estimation.block_table import Cells, Mask
-from calib.radiometric.estimation.rounding import (
-    INVERTIBLE_SIGMA_DN,
-    rounded_moments,
-    typical_variance,
-    unrounded_mean,
-)
+from calib.radiometric.estimation.rounding import INVERTIBLE_SIGMA_DN, NEGLIGIBLE_SIGMA_DN
+
+STEPS = 20
+SETTLED_SHARE = 1e-4
+"""A line that moves by less of its standard uncertainties stands still: a step leaves a hundredth
+of the way or less."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +47,13 @@ class NoiseModel:
         shot = self.system_gain_dn_per_e * np.maximum(signal_dn, 0.0)
         return np.sqrt(shot + self.read_variance_dn2)
 
-    def is_near(self, other: "NoiseModel") -> bool:
-        """Return whether weights from both are the same to 1e-3, far below what they matter."""
-        gains = self.system_gain_dn_per_e, other.system_gain_dn_per_e
-        floors = self.read_variance_dn2, other.read_variance_dn2
-        return bool(np.isclose(*gains, rtol=1e-3) and np.isclose(*floors, rtol=1e-3, atol=1e-4))
+    def is_near(self, other: "NoiseModel", share: float) -> bool:
+        """Return whether both lines differ by at most `share` of their standard uncertainties."""
+        gain = abs(self.system_gain_dn_per_e - other.system_gain_dn_per_e)
+        floor = abs(self.read_variance_dn2 - other.read_variance_dn2)
+        # One signal only leaves the gain 0 and its uncertainty unknown.
+        far = gain > share * self.system_gain_dn_per_e_std
+        return not (far or floor > share * self.read_variance_dn2_std)
 
     @property
     def read_noise_e(self) -> float:
@@ -85,8 +88,9 @@ def fit_noise_model(
 ) -> NoiseModel:
     """Fit K and σ_r² to the cells in `use` by weighted least squares.
 
-    The weight of a variance from n lines is (n − 1) / 2V², V from the fit before (starting from
-    the pooled variance), and rounding's part is taken off by the fit before.
+    The weight of a variance from n lines is (n − 1) / 2V², V from the step before (starting from
+    the pooled variance). The codes' variance is not that before rounding; its derivative to σ²,
+    averaged over the phases of the mean, makes Newton's steps of what is left over.
 
     Args:
         mean_dn: Mean codes, (n_blocks, n_columns).
@@ -106,37 +110,38 @@ def fit_noise_model(
             "are not determined: record blocks of many lines, and less light."
         )
         raise NotDeterminedError(message, code="no-temporal-noise")
-    mean, observed = mean_dn[use], variance_dn2[use]
-    signal = np.maximum((mean_dn - offset_dn)[use], 0.0)
-    freedom = np.broadcast_to(n_lines[:, None], mean_dn.shape)[use] - 1.0
-    pooled = NoiseModel(0.0, max(float(observed.mean()) - 1.0 / 12.0, 1e-4), 0.0, 0.0)
-    model = start or pooled
-    for _ in range(2 if start else 6):
-        sigma = model.sigma_dn(signal)
-        codes = rounded_moments(unrounded_mean(mean, sigma).mean_dn, sigma)
-        typical = typical_variance(sigma)
-        expected = np.where(sigma < INVERTIBLE_SIGMA_DN, typical, codes.variance_dn2)
-        model = _line(signal, observed - (expected - sigma**2), freedom, typical)
+    chosen = np.flatnonzero(use)
+    signal = np.maximum(mean_dn - offset_dn, 0.0).take(chosen)
+    freedom = np.repeat(n_lines - 1.0, use.sum(axis=1))
+    cells = signal, mean_dn.take(chosen), variance_dn2.take(chosen), freedom
+    model = start or NoiseModel(0.0, max(float(cells[2].mean()) - 1.0 / 12.0, 1e-4), 0.0, 0.0)
+    restored = cells[1].copy()
+    for _ in range(STEPS):
+        line = model.system_gain_dn_per_e, model.read_variance_dn2
+        sums = noise_sums(
+            cells,
+            restored,
+            line,
+            smallest_dn=INVERTIBLE_SIGMA_DN,
+            negligible_dn=NEGLIGIBLE_SIGMA_DN,
+        )
+        last, model = model, _line(sums, len(signal))
+        if model.is_near(last, SETTLED_SHARE):
+            break
     return model
 
 
-def _line(signal: Columns, variance: Columns, freedom: Columns, expected: Columns) -> NoiseModel:
-    """Fit variance = K·signal + σ_r², both not negative."""
-    weight = freedom / (2.0 * expected**2)
-    total, first = weight.sum(), (weight * signal).sum()
-    centre = first / total
-    spread = (weight * (signal - centre) ** 2).sum()
-    level = (weight * variance).sum() / total
-    if spread > 0:
-        gain = max(float((weight * (signal - centre) * variance).sum() / spread), 0.0)
-    else:
-        gain = 0.0
+def _line(sums: NoiseSums, n_cells: int) -> NoiseModel:
+    """Return the line variance = K·signal + σ_r² that the sums make, both not negative."""
+    centre, level = sums.hs / sums.h, sums.hy / sums.h
+    spread = sums.hss - centre * sums.hs
+    gain = max((sums.hsy - centre * sums.hy) / spread, 0.0) if spread > 0 else 0.0
     floor = level - gain * centre
     if floor < 0:
-        floor, gain = 0.0, float(max((weight * signal * variance).sum(), 0.0))
-        gain /= float((weight * signal**2).sum())
-    misfit = weight * (variance - gain * signal - floor) ** 2
-    inflate = max(1.0, float(misfit.sum()) / max(len(signal) - 2, 1))
+        floor, gain = 0.0, max(sums.hsy, 0.0) / sums.hss
+    centre = sums.ws / sums.w
+    spread = sums.wss - centre * sums.ws
+    inflate = max(1.0, sums.misfit / max(n_cells - 2, 1))
     gain_std = np.sqrt(inflate / spread) if spread > 0 else float("nan")
-    floor_std = np.sqrt(inflate * (1.0 / total + (centre**2 / spread if spread > 0 else 0.0)))
-    return NoiseModel(gain, float(floor), float(gain_std), float(floor_std))
+    floor_std = np.sqrt(inflate * (1.0 / sums.w + (centre**2 / spread if spread > 0 else 0.0)))
+    return NoiseModel(gain, floor, float(gain_std), float(floor_std))

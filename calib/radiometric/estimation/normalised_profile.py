@@ -60,7 +60,11 @@ def normalise(fit: ProfileFit, slope_variance: Columns, uniformity: float) -> Vi
         uniformity: h, the source's relative half-width.
     """
     columns = np.arange(len(slope_variance), dtype=np.float64)
-    profile, basis = fit.profile(columns), fit.basis(columns)
+    legend = np.asarray(
+        legendre.legvander(scaled(columns, len(columns)), fit.alternatives.shape[1] - 1), np.float64
+    )
+    basis = legend[:, : fit.order + 1]
+    profile = basis @ fit.coefficients[: fit.order + 1]
     axis, inside = _axis(fit, profile)
     at_axis = fit.profile(np.array([axis]))[0]
     by_coefficient = basis / profile[:, None] - fit.basis(np.array([axis])) / at_axis
@@ -71,7 +75,7 @@ def normalise(fit: ProfileFit, slope_variance: Columns, uniformity: float) -> Vi
     farthest = max(axis, len(columns) - 1 - axis)
     total = fit.scatter**2 * profile**2 + np.nan_to_num(slope_variance)
     share = np.where(fit.columns_used, np.einsum("ij,ij->i", spread, basis) * profile / total, 0.0)
-    others, axes = _other_orders(fit, columns, axis)
+    others, axes = _other_orders(fit, legend, axis)
     weights = np.array(fit.choice.weights)
     variance = variance + (others / (profile / at_axis)[:, None] - 1.0) ** 2 @ weights
     axis_spread = float(np.sqrt((axes - round(axis)) ** 2 @ weights))
@@ -88,12 +92,12 @@ def normalise(fit: ProfileFit, slope_variance: Columns, uniformity: float) -> Vi
     )
 
 
-def _other_orders(fit: ProfileFit, columns: Columns, axis: float) -> tuple[Matrix, Columns]:
+def _other_orders(fit: ProfileFit, legend: Matrix, axis: float) -> tuple[Matrix, Columns]:
     """Return every order's profile, 1 at the chosen axis, and the column of its own maximum."""
-    n_columns = len(columns)
-    highest = fit.alternatives.shape[1] - 1
-    along = legendre.legvander(scaled(columns, n_columns), highest) @ fit.alternatives.T
-    at_axis = legendre.legvander(scaled(np.array([axis]), n_columns), highest) @ fit.alternatives.T
+    n_columns, n_terms = legend.shape
+    along = legend @ fit.alternatives.T
+    at_axis = legendre.legvander(scaled(np.array([axis]), n_columns), n_terms - 1)
+    at_axis = at_axis @ fit.alternatives.T
     return along / at_axis, np.argmax(along, axis=0).astype(np.float64)
 
 

@@ -46,24 +46,36 @@ def compare_orders(state: Whitened, orders: tuple[int, ...], n_taps: int) -> Ord
     width = max(1, n // 128)
     fold = (np.arange(n) // width) % FOLDS
     gram, moment = design.T @ design, design.T @ target
+    terms = n_taps + np.array(orders)  # the last term of each order
     missed = np.zeros(len(orders))
     for f in range(FOLDS):
         out, seen = design[fold == f], target[fold == f]
-        kept_gram, kept_moment = gram - out.T @ out, moment - out.T @ seen
-        for k, order in enumerate(orders):
-            m = n_taps + order + 1
-            found = np.linalg.solve(kept_gram[:m, :m], kept_moment[:m])
-            missed[k] += float(((seen - out[:, :m] @ found) ** 2).sum())
-    left = [_residual(gram, moment, target, n_taps + order + 1) for order in orders]
+        basis, along = _orthogonal(gram - out.T @ out, moment - out.T @ seen)
+        off = seen[:, None] - np.cumsum((out @ basis) * along, axis=1)[:, terms]
+        missed += (off**2).sum(axis=0)
+    _, along = _orthogonal(gram, moment)
+    rest = np.maximum(target @ target - np.cumsum(along**2)[terms], 0.0)
+    left = np.sqrt(rest / np.maximum(n - terms - 1, 1))
     typical = float(np.median(state.relative_sigma[state.use]))
     return OrderChoice(
         orders=orders,
         held_out_rms=tuple(float(v) for v in typical * np.sqrt(missed / n)),
-        residual_std=tuple(typical * value for value in left),
+        residual_std=tuple(float(v) for v in typical * left),
         weights=_weights(missed),
         chosen=orders[int(np.argmin(missed))],
         by_residual=orders[int(np.argmin(left))],
     )
+
+
+def _orthogonal(gram: Matrix, moment: Columns) -> tuple[Matrix, Columns]:
+    """Return what makes the terms orthonormal, (n, n), and the target's share along each, (n,).
+
+    Each orthonormal term is made of the terms up to it, so that one basis serves all orders: the
+    fit of the first m terms is the sum of the first m shares. With gram = R'R (Cholesky) the basis
+    is R⁻¹.
+    """
+    basis = np.linalg.inv(np.linalg.cholesky(gram)).T
+    return basis, basis.T @ moment
 
 
 def _weights(missed: Columns) -> tuple[float, ...]:
@@ -74,16 +86,5 @@ def _weights(missed: Columns) -> tuple[float, ...]:
 
 def profiles_of_orders(state: Whitened, orders: tuple[int, ...], n_taps: int) -> Matrix:
     """Return the polynomial of every order, (n_orders, highest order + 1)."""
-    gram, moment = state.design.T @ state.design, state.design.T @ state.target
-    found = np.zeros((len(orders), orders[-1] + 1))
-    for k, order in enumerate(orders):
-        m = n_taps + order + 1
-        found[k, : order + 1] = np.linalg.solve(gram[:m, :m], moment[:m])[n_taps:]
-    return found
-
-
-def _residual(gram: Matrix, moment: Columns, target: Columns, m: int) -> float:
-    """Return the root of the residuals' sum of squares over the degrees of freedom."""
-    found = np.linalg.solve(gram[:m, :m], moment[:m])
-    rest = float(target @ target - moment[:m] @ found)
-    return float(np.sqrt(max(rest, 0.0) / max(len(target) - m, 1)))
+    basis, along = _orthogonal(state.design.T @ state.design, state.design.T @ state.target)
+    return np.array([basis[n_taps:, : n_taps + o + 1] @ along[: n_taps + o + 1] for o in orders])

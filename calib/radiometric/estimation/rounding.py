@@ -18,6 +18,7 @@ import numpy as np
 
 from calib.kernels import rounding as kernel
 from calib.kernels.rounding import Cells
+from calib.kernels.unrounding import restored
 
 SMALLEST_SIGMA_DN = 0.1
 """Below it the first two series would need more harmonics; σ is taken as this."""
@@ -98,15 +99,10 @@ def unrounded_mean(mean_code: Cells, sigma_dn: Cells) -> UnroundedMean:
         sigma_dn: The signal's noise before rounding, DN, from a model and not from these samples.
     """
     code, sigma = _pairs(mean_code, sigma_dn)
-    estimate = kernel.inverted(
+    filled = restored(
         code.ravel(),
         sigma.ravel(),
         smallest_dn=INVERTIBLE_SIGMA_DN,
         negligible_dn=NEGLIGIBLE_SIGMA_DN,
-    ).reshape(code.shape)
-    moments = rounded_moments(estimate, sigma)
-    invertible = sigma >= INVERTIBLE_SIGMA_DN
-    bias2 = mean_square_bias(sigma)
-    typical = sigma**2 + 1.0 / 12.0 - bias2
-    of_one = np.where(invertible, moments.variance_dn2 / moments.gain**2, typical)
-    return UnroundedMean(estimate, of_one, np.where(invertible, 0.0, bias2))
+    )
+    return UnroundedMean(*(each.reshape(code.shape) for each in filled))

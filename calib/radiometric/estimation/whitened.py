@@ -9,6 +9,7 @@ from calib.arrays import Columns
 
 OUTLIER_SIGMA = 6.0
 ITERATIONS = 8
+SETTLED = 1e-8
 
 Matrix = NDArray[np.float64]
 
@@ -27,29 +28,35 @@ class Whitened:
 def whitened_rows(
     design: Matrix, slope: Columns, variance: Columns, use: NDArray[np.bool_], order: int
 ) -> Whitened:
-    """Find profile, ε and outliers in turn; the last `order` + 1 columns are the polynomial."""
+    """Find profile, ε and outliers in turn, until ε stands still.
+
+    The last `order` + 1 columns of `design` are the polynomial, those before it the taps.
+    """
     n_taps = design.shape[1] - order - 1
-    profile = np.where(use, slope, np.nan)
-    profile = np.full_like(slope, np.nanmedian(profile))
-    scatter = 0.1
-    kept = following = use
+    profile = np.full_like(slope, np.nanmedian(slope[use]))
+    floor, noise = 1e-3 * profile[0], np.nan_to_num(variance)
+    scatter, kept, following = 0.1, use, use
     for _ in range(ITERATIONS):
-        kept = following
-        rows = design.copy()
-        rows[:, :n_taps] *= profile[:, None]
-        relative = np.sqrt(scatter**2 + np.nan_to_num(variance) / profile**2)
+        last, kept = scatter, following
+        rows = design
+        if n_taps:
+            rows = np.hstack([design[:, :n_taps] * profile[:, None], design[:, n_taps:]])
+        relative = np.sqrt(scatter**2 + noise / profile**2)
         sigma = relative * profile
-        scaled_rows, target = rows[kept] / sigma[kept, None], slope[kept] / sigma[kept]
+        scaled_rows = rows * np.where(kept, 1.0 / sigma, 0.0)[:, None]
+        target = np.where(kept, slope / sigma, 0.0)
         solution = np.linalg.solve(scaled_rows.T @ scaled_rows, scaled_rows.T @ target)
-        floor = 1e-3 * np.nanmedian(slope[use])
         profile = np.maximum(design[:, n_taps:] @ solution[n_taps:], floor)
         rest = (slope - rows @ solution) / profile
         freedom = max(int(kept.sum()) - design.shape[1], 1)
-        scatter = _scatter(rest[kept], (np.nan_to_num(variance) / profile**2)[kept], freedom)
-        total = np.sqrt(scatter**2 + np.nan_to_num(variance) / profile**2)
+        own = noise / profile**2
+        scatter = _scatter(rest[kept], own[kept], freedom)
+        total = np.sqrt(scatter**2 + own)
         robust = 1.4826 * np.median(np.abs(rest[kept] / total[kept]))
         following = use & (np.abs(rest) <= OUTLIER_SIGMA * max(robust, 1e-12) * total)
-    return Whitened(scaled_rows, target, scatter, kept, relative)
+        if abs(scatter - last) < SETTLED * scatter and (following == kept).all():
+            break
+    return Whitened(scaled_rows[kept], target[kept], scatter, kept, relative)
 
 
 def _scatter(rest: Columns, variance: Columns, freedom: int) -> float:

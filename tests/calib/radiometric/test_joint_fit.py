@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from calib.radiometric.estimation.dark_comparison import DarkCurrent
+from calib.radiometric.estimation.dark_current import DarkCurrent
 from calib.radiometric.estimation.joint_fit import fit_jointly
 from calib.radiometric.estimation.misfit import reduced_chi_squared
 from calib.radiometric.estimation.selection import collapsed, within_range
