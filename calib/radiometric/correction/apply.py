@@ -189,7 +189,7 @@ class Correction:
         """Return the lowest and highest code that is not extrapolated, and full scale."""
         lowest, highest = self.coefficients.domain.dn
         full_scale = self.camera.full_scale_dn
-        noise = self.terms.noise_dn2
+        noise = float(np.median(self.terms.noise_dn2))
 
         def reach(level: float) -> float:
             return 3.0 * sqrt(noise + self.terms.gain * max(level, 0.0))

@@ -6,7 +6,7 @@
     std               float32, the same shape, unless not asked for
     flags             uint8, bits of `calib.radiometric.correction.flags.Flag`
 /columns/<exposure>/  what splits `std` into its parts, float64 (n_columns,): dark_dn, scale,
-                      v0, v1, v2 of `calib.radiometric.correction.apply_terms.ColumnTerms`
+                      v0, v1, v2, noise_dn2 of `calib.radiometric.correction.apply_terms.ColumnTerms`
 """
 
 from collections.abc import Iterator
@@ -77,7 +77,7 @@ class RadianceFile:
             name = f"{terms.exposure_us:g}"
             if name not in columns:
                 group = columns.create_group(name)
-                for each in ("dark_dn", "scale", "v0", "v1", "v2"):
+                for each in ("dark_dn", "scale", "v0", "v1", "v2", "noise_dn2"):
                     group.create_dataset(each, data=getattr(terms, each))
 
     def append(self, lines: Radiance) -> None:

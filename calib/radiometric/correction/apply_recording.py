@@ -170,7 +170,6 @@ def _metadata(recording: Recording, correction: Correction) -> dict[str, str | f
         "window_transmittance": window.transmittance,
         "window_transmittance_std": window.std,
         "scale_relative_std": coefficients.scale_relative_std,
-        "noise_dn2": correction.terms.noise_dn2,
         "system_gain_dn_per_e": correction.terms.gain,
     }
 

@@ -2,12 +2,14 @@
 
 Law of propagation (JCGM 100:2008, section 5) for L = s / (g·t·T) with s = DN - dark, g = VE·QE:
 
-    u²(L) = [K·max(s, 0) + K²·r² + 1/12              temporal noise of this one sample
+    u²(L) = [K·max(s, 0) + K·d·t + K²·r² + 1/12      temporal noise of this one sample
              + u²(DN0) + t²·u²(dark current)         the dark level
              + 2·(s/g)·cov(DN0, g) + (s/g)²·u²(g)    the slope, which errs together with DN0
              + s²·(u²(scale) + u²(T)) ] / (g·t·T)²   what all columns share, relative
 
-K is the system gain in DN/e-, r the read noise in e-, 1/12 the rounding. The dark current's error
+K is the system gain in DN/e-, r the read noise in e-, 1/12 the rounding. The dark current's d·t is
+made of electrons too, whose number scatters (EMVA Standard 1288, Release 4.0 Linear, Eq. 9); a d
+that came out negative has none. The dark current's error
 also hides in g, with the opposite sign: leaving that out overstates u, never the contrary.
 """
 
@@ -35,7 +37,7 @@ class ColumnTerms:
         v1: DN.
         v2: Dimensionless; the relative variance of scale, window and slope.
         common: The part of `v2` that all columns share.
-        noise_dn2: Temporal variance without light, DN².
+        noise_dn2: Temporal variance without light, the dark current's shot noise included, DN².
         gain: System gain K, DN/e-.
         exposure_us: t.
     """
@@ -46,7 +48,7 @@ class ColumnTerms:
     v1: Columns
     v2: Columns
     common: float
-    noise_dn2: float
+    noise_dn2: Columns
     gain: float
     exposure_us: float
 
@@ -83,6 +85,7 @@ def column_terms(
     dark_current_std = coefficients.dark_current_dn_per_us_std * exposure_us
     common = coefficients.scale_relative_std**2 + window_relative_std**2
     gain = coefficients.system_gain_dn_per_e
+    dark_signal = np.maximum(np.nan_to_num(coefficients.dark_current_dn_per_us), 0.0) * exposure_us
     return ColumnTerms(
         dark_dn=coefficients.dark_level_dn(exposure_us),
         scale=1.0 / (slope * exposure_us * transmittance),
@@ -90,7 +93,7 @@ def column_terms(
         v1=2.0 * coefficients.offset_slope_covariance / slope,
         v2=(coefficients.slope_std / slope) ** 2 + common,
         common=common,
-        noise_dn2=(gain * coefficients.read_noise_e) ** 2 + 1.0 / 12.0,
+        noise_dn2=gain * dark_signal + (gain * coefficients.read_noise_e) ** 2 + 1.0 / 12.0,
         gain=gain,
         exposure_us=exposure_us,
     )

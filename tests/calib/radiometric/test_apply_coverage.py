@@ -17,7 +17,9 @@ SLOPE = TRUTH.vignette * 0.2
 WINDOW_TRUTH = 0.934
 
 
-def estimated(rng: Generator, *, column: float, scale: float) -> CoefficientSet:
+def estimated(
+    rng: Generator, *, column: float, scale: float, dark_current: float = 0.0
+) -> CoefficientSet:
     """Return a calibration's outcome: the truth with errors as large as it says, or none."""
     common = rng.normal()
     errors = rng.multivariate_normal((0, 0), ((1, CORRELATION), (CORRELATION, 1)), N_COLUMNS)
@@ -32,14 +34,18 @@ def estimated(rng: Generator, *, column: float, scale: float) -> CoefficientSet:
         slope_std=slope_std,
         offset_slope_covariance=CORRELATION * offset_std * slope_std,
         scale_relative_std=scale,
+        dark_current_dn_per_us=np.full(N_COLUMNS, dark_current),
         system_gain_dn_per_e=GAIN,
         read_noise_e=READ_NOISE_E,
     )
 
 
-def drawn(rng: Generator, radiance: float, n_lines: int) -> np.ndarray:
+def drawn(
+    rng: Generator, radiance: float, n_lines: int, *, dark_current: float = 0.0
+) -> np.ndarray:
     """Return codes of a uniform scene, (n_lines, N_COLUMNS)."""
-    electrons = rng.poisson(radiance * SLOPE * EXPOSURE_US / GAIN, (n_lines, N_COLUMNS))
+    per_us = radiance * SLOPE + dark_current
+    electrons = rng.poisson(per_us * EXPOSURE_US / GAIN, (n_lines, N_COLUMNS))
     volts = GAIN * (electrons + rng.normal(0, READ_NOISE_E, electrons.shape))
     return np.rint(volts + TRUTH.dark_offset_dn).astype(np.uint16)
 
@@ -64,6 +70,20 @@ def test_single_samples_scatter_as_stated(radiance, column, scale):
             estimated(rng, column=column, scale=scale), EXPOSURE_US, camera=TRUTH.camera
         )
         result = correction.lines(drawn(rng, radiance, 2))
+        z.append(((result.radiance - radiance) / result.std).ravel())
+    assert_spread_is_one(np.array(z, np.float64))
+
+
+@pytest.mark.parametrize("radiance", [0.0, 2.0, 30.0])
+@pytest.mark.parametrize("n_lines", [1, 100])
+def test_the_shot_noise_of_a_dark_current_is_in_the_uncertainty(radiance, n_lines):
+    """100 DN of dark signal: 10 DN² of shot noise beside the 4 DN² of read noise."""
+    z = []
+    for rng in default_rng([int(radiance), n_lines]).spawn(400):
+        coefficients = estimated(rng, column=0.0, scale=0.0, dark_current=0.5)
+        correction = Correction(coefficients, EXPOSURE_US, camera=TRUTH.camera)
+        dn = drawn(rng, radiance, n_lines, dark_current=0.5)
+        result = correction.lines(dn) if n_lines == 1 else correction.mean_line(dn)
         z.append(((result.radiance - radiance) / result.std).ravel())
     assert_spread_is_one(np.array(z, np.float64))
 

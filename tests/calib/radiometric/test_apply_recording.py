@@ -86,7 +86,7 @@ def test_the_files_columns_give_the_uncertainty_of_a_mean_back(tmp_path):
     with h5py.File(tmp_path / "out.h5") as file:
         columns = {name: values[:] for name, values in file["columns/200"].items()}
         signal = np.clip(dn, 100, 3000).mean(axis=0) - columns["dark_dn"]
-        temporal = file.attrs["noise_dn2"] + file.attrs["system_gain_dn_per_e"] * signal
+        temporal = columns["noise_dn2"] + file.attrs["system_gain_dn_per_e"] * signal
         variance = columns["v0"] + signal * (columns["v1"] + columns["v2"] * signal)
         std = np.sqrt(temporal / len(dn) + variance) * columns["scale"]
     np.testing.assert_allclose(mean.std[0], std, rtol=1e-6)
