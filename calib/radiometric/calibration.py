@@ -23,6 +23,8 @@ class CalibrationFigures:
         radiance: Its certified radiance; NaN where unknown.
         relative_level: What the camera sees of it, 1 for the reference: Fig. 5.
         level_ratio: Certified over seen, less 1; NaN where unknown.
+        level_ratio_std: Its standard uncertainty, the levels' own certified one included.
+        level_ratio_seen_std: The part of it that is the camera's.
         source_unrest: Relative scatter of the source between blocks; NaN where not testable.
         prnu_percent: ε, scatter of the slopes about the profile without their noise.
     """
@@ -33,6 +35,8 @@ class CalibrationFigures:
     radiance: Columns
     relative_level: Columns
     level_ratio: Columns
+    level_ratio_std: Columns
+    level_ratio_seen_std: Columns
     source_unrest: float
     prnu_percent: float
 

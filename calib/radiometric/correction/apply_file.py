@@ -5,8 +5,8 @@
     radiance          float32 (n_lines, n_columns)
     std               float32, the same shape, unless not asked for
     flags             uint8, bits of `calib.radiometric.correction.flags.Flag`
-/columns/<exposure>/  what splits `std` into its parts, float64 (n_columns,): dark_dn, scale,
-                      v0, v1, v2, noise_dn2 of `calib.radiometric.correction.apply_terms.ColumnTerms`
+/columns/<exposure>/  what splits `std` into its parts, float64 (n_columns,): dark_dn, scale, v0,
+                      v1, v2, noise_dn2 of `calib.radiometric.correction.apply_terms.ColumnTerms`
 """
 
 from collections.abc import Iterator

@@ -148,6 +148,8 @@ def _figures(parts: Parts) -> CalibrationFigures:
         radiance=groups.radiance,
         relative_level=parts.estimate.fit.relative_level,
         level_ratio=parts.scale.level_ratio,
+        level_ratio_std=parts.scale.level_ratio_std,
+        level_ratio_seen_std=parts.scale.level_ratio_seen_std,
         source_unrest=parts.shared.source_unrest,
         prnu_percent=100.0 * parts.profile.scatter,
     )

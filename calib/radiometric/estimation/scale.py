@@ -24,6 +24,8 @@ class RadianceScale:
     Attributes:
         radiance_of_reference: c, radiance where r = 1.
         level_ratio: L_g / (c·r_g) − 1 of each group, NaN where unknown: Fig. 5's residuals.
+        level_ratio_std: Standard uncertainty of `level_ratio`; what all levels share is not in it.
+        level_ratio_seen_std: The part of it that is the camera's: noise and the source's unrest.
         level_relative_std: What each level's radiance is uncertain by on its own.
         by_levels: Relative standard uncertainty of c from the levels' own errors.
         by_source_unrest: Relative standard uncertainty of the slopes' scale, s/c, from what all
@@ -35,6 +37,8 @@ class RadianceScale:
 
     radiance_of_reference: float
     level_ratio: Columns
+    level_ratio_std: Columns
+    level_ratio_seen_std: Columns
     level_relative_std: float
     by_levels: float
     by_source_unrest: float
@@ -74,13 +78,21 @@ def radiance_scale(
     scale = float(np.exp(share @ np.log(ratio)))
     slope_to_scale = -share @ by_level
     slope_to_scale[1] += 1.0 / shared.mean_slope
-    level_ratio = np.full(len(relative_level), np.nan)
+    level_ratio, level_ratio_std, seen_std = np.full((3, len(relative_level)), np.nan)
     level_ratio[known] = ratio / scale - 1.0
+    about_mean = np.eye(len(known)) - share
+    seen = about_mean @ by_level
+    seen_std[known] = np.sqrt(np.einsum("gi,ij,gj->g", seen, shared.covariance, seen))
+    level_ratio_std[known] = np.hypot(
+        seen_std[known], excess * np.sqrt((about_mean**2).sum(axis=1))
+    )
     few = len(known) - 1
     widen = few / (few - 2.0) if level_relative_std is None and few > 2 else 1.0
     return RadianceScale(
         radiance_of_reference=scale,
         level_ratio=level_ratio,
+        level_ratio_std=level_ratio_std,
+        level_ratio_seen_std=seen_std,
         level_relative_std=excess,
         by_levels=float(excess * np.sqrt(widen * (share**2).sum())),
         by_source_unrest=float(np.sqrt(slope_to_scale @ shared.covariance @ slope_to_scale)),

@@ -50,11 +50,17 @@ def linearity(found: CoefficientSet, blocks: Sequence[BlockStatistics]) -> Figur
 
 
 def radiance_scale(calibration: Calibration) -> Figure:
-    """Draw the certified radiance of each level against what the camera sees of it."""
+    """Draw the certified radiance of each level against what the camera sees of it.
+
+    Bars are two standard uncertainties: thick the camera's part, thin with the levels' own.
+    """
     figure = new_figure(height_in=3.6)
     left, right = figure.subplots(1, 2)
     data, unit = calibration.figures, calibration.coefficients.radiance_unit
-    left.plot(data.radiance, data.relative_level, "o", color=BLUE)
+    left.errorbar(
+        data.radiance, data.relative_level,
+        yerr=2.0 * data.level_ratio_std * data.relative_level, fmt="o", color=BLUE, capsize=2,
+    )  # fmt: skip
     known = np.isfinite(data.radiance) & np.isfinite(data.relative_level)
     if known.any():
         per_radiance = np.median(data.relative_level[known] / data.radiance[known])
@@ -65,9 +71,19 @@ def radiance_scale(calibration: Calibration) -> Figure:
         xlabel=f"certified radiance, {unit}",
         ylabel="signal relative to the reference",
     )
-    right.plot(data.level, 100.0 * data.level_ratio, "o", color=BLUE)
+    percent = 100.0 * data.level_ratio
+    for std, width, label in (
+        (data.level_ratio_seen_std, 3.0, "seen: noise, unrest of the source"),
+        (data.level_ratio_std, 0.9, "and each level's own"),
+    ):
+        right.errorbar(
+            data.level, percent, yerr=200.0 * std, fmt="none", ecolor=BLUE, elinewidth=width,
+            capsize=0 if width > 1 else 3, label=label,
+        )  # fmt: skip
+    right.plot(data.level, percent, "o", color=BLUE, ms=4)
     right.axhline(0.0, color=INK, lw=0.8)
-    right.set(title="Certified over seen", xlabel="level", ylabel="difference, %")
+    right.set(title="Certified over seen", xlabel="level", ylabel="difference ± 2σ, %")
+    figure.legend(loc="outside lower right", ncols=2)
     return figure
 
 

@@ -2,10 +2,13 @@ import numpy as np
 import pytest
 
 from calib.errors import InputError, NotDeterminedError
+from calib.radiometric.coefficients.provenance import Provenance
 from calib.radiometric.estimation.common_mode import CommonMode
+from calib.radiometric.estimation.from_statistics import determine
 from calib.radiometric.estimation.radiance_table import LevelGroups, group_levels
 from calib.radiometric.estimation.scale import radiance_scale
 from calib.recording.header import Block
+from tests.calib.radiometric.simulated import Bench, draw
 
 QUIET = CommonMode(0.0, 0.0, 0.0, 5, 1.0, np.zeros((5, 5)), np.zeros((5, 5)), (1, 2, 3))
 RELATIVE = np.array([1.0, 2.0, 3.1, 3.9])
@@ -51,6 +54,30 @@ def test_levels_at_odds_with_what_is_stated_are_significant() -> None:
     noisy = CommonMode(0.0, 0.0, 0.0, 5, 1.0, np.eye(5) * 1e-10, np.zeros((5, 5)), (1, 2, 3))
     radiance = 12.5 * RELATIVE * np.array([1.0, 1.02, 1.0, 0.98])
     assert radiance_scale(groups(list(radiance)), RELATIVE, noisy, 0.001).scatter_sigma > 10
+
+
+@pytest.mark.parametrize(
+    "bench",
+    [
+        pytest.param(Bench(level_error=0.003), id="levels-of-their-own"),
+        pytest.param(Bench(level_error=0.0, certificate=0.0), id="noise-alone"),
+    ],
+)
+def test_the_bars_of_the_levels_are_their_scatter(bench: Bench) -> None:
+    rng, z = np.random.default_rng(), []
+    for _ in range(100):
+        drawn = draw(bench, rng)
+        figures = determine(drawn.statistics, bench.header(), Provenance("0" * 64)).figures
+        z.append(figures.level_ratio / figures.level_ratio_std)
+    square = np.square(z).mean(axis=1)  # the levels of one recording err together
+    assert abs(square.mean() - 1) < 4 * square.std() / np.sqrt(len(square))
+    assert square.std() / np.sqrt(len(square)) < 0.15
+
+
+def test_the_bars_of_levels_at_one_exposure_are_those_of_independent_errors() -> None:
+    scale = radiance_scale(groups(list(12.5 * RELATIVE)), RELATIVE, QUIET, 0.003)
+    np.testing.assert_allclose(scale.level_ratio_std, 0.003 * np.sqrt(3 / 4))
+    np.testing.assert_allclose(scale.level_ratio_seen_std, 0.0)
 
 
 def test_no_radiance_is_said() -> None:
