@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 from calib.radiometric.calibration import Calibration
 from calib.radiometric.coefficients.provenance import Parameter, Provenance
-from calib.radiometric.estimation.choices import Choices, check_recording
+from calib.radiometric.estimation.choices import Choices, MonitorUse, check_recording
 from calib.radiometric.estimation.from_statistics import Determined, determine
 from calib.radiometric.estimation.selection import CLIP_SIGMA
 from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
@@ -40,6 +40,7 @@ def calibrate(
     order: int | None = None,
     relative: bool = False,
     darks_required: bool = True,
+    monitor: MonitorUse = "use",
     held_out_every: int = HELD_OUT_EVERY,
     plan: str = "",
     origin: Mapping[str, Parameter] | None = None,
@@ -57,6 +58,8 @@ def calibrate(
         order: Degree of the vignette's polynomial; None chooses it by prediction.
         relative: Accept a recording without radiances; radiance 1 is the reference level's.
         darks_required: Refuse a recording without capped darks.
+        monitor: "use" corrects the light of blocks of one level by their monitor readings, where
+            every flat has one and the camera sees the same changes; "ignore" does not.
         held_out_every: One line of so many is kept from the fit to judge the result; 0 keeps none.
         plan: The plan that was run, as text, for the provenance.
         origin: Where `radiances` come from, for the provenance: it joins the parameters.
@@ -67,7 +70,7 @@ def calibrate(
         InputError: The recording or an argument cannot be used (codes: `determine`).
         NotDeterminedError: The recording does not determine what is asked (codes: `determine`).
     """
-    choices = Choices(radiances, source, order, relative, darks_required)
+    choices = Choices(radiances, source, order, relative, darks_required, monitor)
     check_recording(recording.header, choices)
     recording = DigestedWhileRead(recording)
     statistics = column_statistics(

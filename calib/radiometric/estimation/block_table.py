@@ -22,6 +22,8 @@ class BlockTable:
     Attributes:
         blocks: Their conditions.
         exposure_us: (n_blocks,).
+        light_us: Exposure to the level's mean light, (n_blocks,): another than `exposure_us` where
+            a monitor says that the source wandered (`calib.radiometric.estimation.monitor`).
         n_lines: (n_blocks,).
         mean_dn: Mean codes, (n_blocks, n_columns).
         variance_dn2: Temporal variances, NaN where a block has one line.
@@ -30,6 +32,7 @@ class BlockTable:
 
     blocks: tuple[Block, ...]
     exposure_us: Columns
+    light_us: Columns
     n_lines: Columns
     mean_dn: Cells
     variance_dn2: Cells
@@ -44,10 +47,12 @@ class BlockTable:
         def stack(rows: list[NDArray[np.float64]]) -> Cells:
             return np.array(rows, np.float64).reshape(len(chosen), n_columns)
 
+        exposure_us = np.array([s.block.exposure_us for s in chosen], np.float64)
         clipped = [(s.n_at_zero > 0) | (s.n_at_full_scale > 0) for s in chosen]
         return cls(
             blocks=tuple(s.block for s in chosen),
-            exposure_us=np.array([s.block.exposure_us for s in chosen], np.float64),
+            exposure_us=exposure_us,
+            light_us=exposure_us,
             n_lines=np.array([s.n_lines for s in chosen], np.float64),
             mean_dn=stack([s.mean_dn for s in chosen]),
             variance_dn2=stack([s.variance_dn2 for s in chosen]),
@@ -60,7 +65,14 @@ class BlockTable:
             self.blocks + other.blocks,
             *(
                 np.concatenate([getattr(self, name), getattr(other, name)])
-                for name in ("exposure_us", "n_lines", "mean_dn", "variance_dn2", "clipped")
+                for name in (
+                    "exposure_us",
+                    "light_us",
+                    "n_lines",
+                    "mean_dn",
+                    "variance_dn2",
+                    "clipped",
+                )
             ),
         )
 

@@ -2,11 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 from calib.errors import InputError, NotDeterminedError
 from calib.radiometric.estimation.radiance_table import LevelGroups
 from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
 from calib.recording.header import RecordingHeader
+
+MonitorUse = Literal["use", "ignore"]
 
 
 @dataclass(frozen=True)
@@ -19,6 +22,7 @@ class Choices:
         order: Degree of the vignette's polynomial; None chooses it.
         relative: Accept a recording without any radiance; the scale is then relative.
         darks_required: Refuse a recording without capped darks.
+        monitor: Whether a monitor's readings may correct the light of blocks of one level.
     """
 
     radiances: Mapping[float, float] | None = None
@@ -26,6 +30,7 @@ class Choices:
     order: int | None = None
     relative: bool = False
     darks_required: bool = True
+    monitor: MonitorUse = "use"
 
 
 def check_recording(header: RecordingHeader, choices: Choices) -> None:
@@ -39,6 +44,9 @@ def check_recording(header: RecordingHeader, choices: Choices) -> None:
     if choices.order is not None and not 2 <= choices.order <= 20:
         message = f"The vignette's order is {choices.order}: give 2 to 20, or none to choose it."
         raise InputError(message, code="bad-order")
+    if choices.monitor not in get_args(MonitorUse):
+        message = f"The monitor is to be {choices.monitor!r}: say 'use' or 'ignore'."
+        raise InputError(message, code="bad-monitor")
     kinds = {block.kind for block in header.blocks}
     if "flat" not in kinds:
         raise no_flats()

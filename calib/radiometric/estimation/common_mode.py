@@ -32,6 +32,7 @@ class CommonMode:
         unrest_sigma: How sure it is that η is not 0, as standard deviations of a normal number;
             NaN where η is.
         offset_noise_dn: a, DN, of one block.
+        block_variance_dn2: What noise does to the mean residual of each block in use, a² included.
         freedom: Degrees of freedom from which η comes.
         mean_slope: s̄, DN per µs of reference light.
         by_source: Covariance of (DN0, s, r of all groups in use but the reference), DN, DN/µs, 1,
@@ -44,6 +45,7 @@ class CommonMode:
     source_unrest: float
     unrest_sigma: float
     offset_noise_dn: float
+    block_variance_dn2: Columns
     freedom: int
     mean_slope: float
     by_source: NDArray[np.float64]
@@ -78,16 +80,9 @@ def common_mode(
         current_std_dn_per_us: Standard uncertainty of the mean dark current that was taken off,
             whose error enters all blocks in proportion to their exposure.
     """
-    used = np.flatnonzero((fit.weights > 0).any(axis=1))
-    reference = int(np.flatnonzero(fit.relative_level == 1.0)[0])
-    others = tuple(g for g in sorted({int(g) for g in group[used]}) if g != reference)
     slope = float(np.nanmean(fit.slope))
-    design = np.zeros((len(used), 2 + len(others)))
-    design[:, 0] = 1.0
-    design[:, 1] = fit.x_us[used]
-    for k, g in enumerate(others):
-        rows = group[used] == g
-        design[rows, 2 + k] = slope * exposure_us[used][rows]
+    blocks = block_design(fit, group)
+    used, design = blocks.used, blocks.design
     weight = fit.weights[used].mean(axis=1)
     estimator = np.linalg.pinv(design * np.sqrt(weight)[:, None]) * np.sqrt(weight)
     residual = mean_residual(fit, slope)[used]
@@ -103,12 +98,39 @@ def common_mode(
         source_unrest=float(np.sqrt(unrest2)),
         unrest_sigma=sigma,
         offset_noise_dn=offset_noise_dn,
+        block_variance_dn2=offset_noise_dn**2 + own,
         freedom=freedom,
         mean_slope=slope,
         by_source=(estimator * error) @ estimator.T,
         by_offset=offset_noise_dn**2 * estimator @ estimator.T,
-        groups=others,
+        groups=blocks.others,
     )
+
+
+@dataclass(frozen=True)
+class BlockDesign:
+    """What offset, slope and levels can do to the mean over columns of each block.
+
+    Attributes:
+        used: Blocks in use.
+        others: Their groups but the reference.
+        design: (n_used, 2 + n_others), for a column of the mean slope.
+    """
+
+    used: NDArray[np.intp]
+    others: tuple[int, ...]
+    design: NDArray[np.float64]
+
+
+def block_design(fit: JointFit, group: NDArray[np.intp]) -> BlockDesign:
+    """Return the derivatives of the blocks' means to offset, slope and levels."""
+    used = np.flatnonzero((fit.weights > 0).any(axis=1))
+    reference = int(np.flatnonzero(fit.relative_level == 1.0)[0])
+    others = tuple(g for g in sorted({int(g) for g in group[used]}) if g != reference)
+    x_us = fit.x_us[used]
+    signal = float(np.nanmean(fit.slope)) * x_us
+    by_level = [np.where(group[used] == g, signal / fit.relative_level[g], 0.0) for g in others]
+    return BlockDesign(used, others, np.column_stack([np.ones(len(used)), x_us, *by_level]))
 
 
 def mean_residual(fit: JointFit, mean_slope: float) -> Columns:

@@ -94,7 +94,7 @@ def estimate_lines(
     use = ~flats.clipped & alive
     start = first_levels(flats, groups, use)
     rough = np.where(use, first_weights(flats, use)[:, None], 0.0)
-    fit = fit_jointly(flats.mean_dn, rough, flats.exposure_us, groups.of_block, start)
+    fit = fit_jointly(flats.mean_dn, rough, flats.light_us, groups.of_block, start)
     sight = _Sight(flats, darks, flats.followed_by(darks), groups, alive, full_scale_dn)
     none = DarkCurrent.none(flats.mean_dn.shape[1])
     state = _improve(sight, fit, _noise(sight, fit, use), none)
@@ -115,7 +115,7 @@ def estimate_lines(
     if (fit.weights[:, ~valid] > 0).any():
         weights = np.where(valid, state.fit.weights, 0.0)
         levels = state.fit.relative_level
-        fit = fit_jointly(state.mean_dn, weights, flats.exposure_us, groups.of_block, levels)
+        fit = fit_jointly(state.mean_dn, weights, flats.light_us, groups.of_block, levels)
     return LineEstimate(
         fit, state.noise, state.current, state.block_noise_dn, reason, state.mean_dn
     )
@@ -147,7 +147,7 @@ def _improve(sight: _Sight, fit: JointFit, noise: NoiseModel, last: DarkCurrent)
     variance = restored.variance_of_one_dn2 / flats.n_lines[:, None]
     weights = np.where(use, 1.0 / (variance + restored.variance_left_dn2), 0.0)
     levels = fit.relative_level
-    fitted = fit_jointly(mean, weights, flats.exposure_us, groups.of_block, levels)
+    fitted = fit_jointly(mean, weights, flats.light_us, groups.of_block, levels)
     return _Round(fitted, noise, current, block_noise, use, mean)
 
 

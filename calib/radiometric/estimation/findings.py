@@ -48,12 +48,21 @@ def line_findings(parts: Parts) -> Iterator[str]:
             "response is not linear or the source was not steady. The report's residuals by block "
             "tell: what returns with the signal is the response, what goes with time the source."
         )
+    monitor = parts.monitor
+    if monitor.used:
+        yield (
+            f"The monitor wandered by {100 * monitor.wander:.2g} % within levels, the camera saw "
+            f"{monitor.share:.2f} ± {monitor.share_std:.2g} of it, and the light of each block was "
+            "corrected by its reading."
+        )
     if shared.unrest_sigma > UNREST_SIGMA:
         yield (
             f"The source wandered by {100 * shared.source_unrest:.2g} % between blocks, if the "
             "response is a line and lines have no noise in common (darks repeated at one exposure "
             "would show that); this is counted as uncertainty. Let the source settle for longer."
         )
+        if monitor.verdict == "not followed":
+            yield "The monitor's readings do not follow this wandering and were not used."
     if freedom > 0 and shared.freedom < 1:
         yield "Whether the source was steady from block to block is not tested: too few blocks."
     smallest = float(np.sqrt(estimate.noise.read_variance_dn2))

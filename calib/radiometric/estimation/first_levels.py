@@ -26,8 +26,8 @@ def first_levels(flats: BlockTable, groups: LevelGroups, use: Mask) -> Columns:
     if score[reference][0] < 2:
         raise _no_sweep(flats, groups)
     rows = groups.of_block == reference
-    lines = fit_lines(flats.mean_dn[rows], use[rows] * 1.0, flats.exposure_us[rows])
-    expected = np.outer(flats.exposure_us, lines.slope)
+    lines = fit_lines(flats.mean_dn[rows], use[rows] * 1.0, flats.light_us[rows])
+    expected = np.outer(flats.light_us, lines.slope)
     above = flats.mean_dn - lines.offset
     seen = use & np.isfinite(expected) & (expected > 0)
     n_groups = len(groups.level)

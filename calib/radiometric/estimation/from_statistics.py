@@ -45,7 +45,8 @@ def determine(
     """Determine DN0, VE, QE and the radiance scale.
 
     Raises:
-        InputError: `area-sensor`, `bad-radiance`, `bad-order`, `bad-source-uncertainty`.
+        InputError: `area-sensor`, `bad-radiance`, `bad-order`, `bad-source-uncertainty`,
+            `bad-monitor`.
         NotDeterminedError: `no-flats`, `missing-darks`, `one-exposure`, `all-saturated`,
             `no-temporal-noise`, `no-valid-column`, `too-few-columns`, `no-radiance`.
     """
@@ -116,6 +117,7 @@ def _assemble(
         ),
         provenance=replace(
             provenance,
+            parameters={**provenance.parameters, "monitor": parts.monitor.verdict},
             radiance_standard=parts.source.standard,
             certificate=parts.source.certificate,
         ),

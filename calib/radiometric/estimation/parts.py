@@ -11,6 +11,13 @@ from calib.radiometric.estimation.choices import Choices
 from calib.radiometric.estimation.common_mode import CommonMode, common_mode
 from calib.radiometric.estimation.estimate import LineEstimate, current_variances, estimate_lines
 from calib.radiometric.estimation.misfit import own_misfit, reduced_chi_squared
+from calib.radiometric.estimation.monitor import (
+    MonitorCheck,
+    check_monitor,
+    level_unrest,
+    relative_light,
+    with_light,
+)
 from calib.radiometric.estimation.normalised_profile import Vignette, normalise
 from calib.radiometric.estimation.radiance_table import LevelGroups
 from calib.radiometric.estimation.scale import RadianceScale, radiance_scale
@@ -32,6 +39,7 @@ class Parts:
     scale: RadianceScale
     source: SourceUncertainty
     groups: LevelGroups
+    monitor: MonitorCheck
 
 
 def find_parts(
@@ -43,15 +51,15 @@ def find_parts(
 ) -> Parts:
     """Estimate lines, profile and scale."""
     source = choices.source or SourceUncertainty.of_header(header.source)
-    estimate = estimate_lines(flats, darks, groups, header.camera.full_scale_dn)
+    full_scale_dn = header.camera.full_scale_dn
+    estimate, shared = _lines(flats, darks, groups, full_scale_dn)
+    monitor = MonitorCheck("ignored")
+    if choices.monitor == "use":
+        light = relative_light(flats, groups)
+        monitor = check_monitor(light, groups, estimate.fit, shared)
+        if monitor.used and light is not None:
+            estimate, shared = _lines(with_light(flats, light), darks, groups, full_scale_dn)
     fit = estimate.fit
-    shared = common_mode(
-        fit,
-        flats.exposure_us,
-        groups.of_block,
-        estimate.dark_block_noise_dn,
-        estimate.current.mean_std,
-    )
     variances = _variances(estimate, flats, shared)
     profile = fit_profile(
         fit.slope, variances.slope, tap_contrasts(taps_of_camera(header.camera)), choices.order
@@ -60,9 +68,32 @@ def find_parts(
     if choices.relative:
         unit = np.where(fit.relative_level == 1.0, 1.0, np.nan)
         groups = replace(groups, radiance=unit)
-    scale = radiance_scale(groups, fit.relative_level, shared, source.level_relative_std)
+    scale = radiance_scale(
+        groups,
+        fit.relative_level,
+        shared,
+        source.level_relative_std,
+        level_unrest(monitor, groups),
+    )
     chi2 = reduced_chi_squared(fit, flats.exposure_us, estimate.current)
-    return Parts(estimate, chi2, shared, variances, profile, vignette, scale, source, groups)
+    return Parts(
+        estimate, chi2, shared, variances, profile, vignette, scale, source, groups, monitor
+    )
+
+
+def _lines(
+    flats: BlockTable, darks: BlockTable, groups: LevelGroups, full_scale_dn: int
+) -> tuple[LineEstimate, CommonMode]:
+    """Return the lines and what the columns share."""
+    estimate = estimate_lines(flats, darks, groups, full_scale_dn)
+    shared = common_mode(
+        estimate.fit,
+        flats.exposure_us,
+        groups.of_block,
+        estimate.dark_block_noise_dn,
+        estimate.current.mean_std,
+    )
+    return estimate, shared
 
 
 def _variances(estimate: LineEstimate, flats: BlockTable, shared: CommonMode) -> LineVariances:

@@ -51,8 +51,17 @@ def radiance_scale(
     relative_level: Columns,
     shared: CommonMode,
     level_relative_std: float | None,
+    level_unrest: Columns | None = None,
 ) -> RadianceScale:
     """Lay the certified radiances on the relative levels.
+
+    Args:
+        groups: The levels' certified radiances.
+        relative_level: r, (n_groups,).
+        shared: What the columns share, the covariance of r in it.
+        level_relative_std: Stated for each level's radiance; None takes it from their scatter.
+        level_unrest: How far each level's mean light may be off from what is certified of it,
+            relative, where the source's unrest is not in `shared` (`monitor`).
 
     Raises:
         NotDeterminedError: `no-radiance` where no usable level has a known radiance.
@@ -70,7 +79,8 @@ def radiance_scale(
     for row, g in enumerate(known):
         if int(g) in position:
             by_level[row, position[int(g)]] = -1.0 / relative_level[g]
-    variance = np.einsum("gi,ij,gj->g", by_level, shared.covariance, by_level)
+    unrest2 = np.zeros(len(known)) if level_unrest is None else level_unrest[known] ** 2
+    variance = np.einsum("gi,ij,gj->g", by_level, shared.covariance, by_level) + unrest2
     excess, sigma = _excess(np.log(ratio), variance, level_relative_std)
     total = variance + excess**2
     share = 1.0 / total if (total > 0).all() else np.ones(len(known))
@@ -82,7 +92,9 @@ def radiance_scale(
     level_ratio[known] = ratio / scale - 1.0
     about_mean = np.eye(len(known)) - share
     seen = about_mean @ by_level
-    seen_std[known] = np.sqrt(np.einsum("gi,ij,gj->g", seen, shared.covariance, seen))
+    seen_std[known] = np.sqrt(
+        np.einsum("gi,ij,gj->g", seen, shared.covariance, seen) + about_mean**2 @ unrest2
+    )
     level_ratio_std[known] = np.hypot(
         seen_std[known], excess * np.sqrt((about_mean**2).sum(axis=1))
     )
@@ -95,7 +107,9 @@ def radiance_scale(
         level_ratio_seen_std=seen_std,
         level_relative_std=excess,
         by_levels=float(excess * np.sqrt(widen * (share**2).sum())),
-        by_source_unrest=float(np.sqrt(slope_to_scale @ shared.covariance @ slope_to_scale)),
+        by_source_unrest=float(
+            np.sqrt(slope_to_scale @ shared.covariance @ slope_to_scale + share**2 @ unrest2)
+        ),
         offset_covariance_dn=(
             float(shared.by_source[0] @ slope_to_scale),
             float(shared.by_offset[0] @ slope_to_scale),

@@ -41,6 +41,8 @@ class Bench:
     certificate: float = 0.01
     level_error: float | None = 0.003
     dark_current: float = 0.0
+    drift: float = 0.0
+    monitor_noise: float | None = None
 
     def header(self) -> RecordingHeader:
         """The recording's header, stating the source's uncertainties."""
@@ -93,9 +95,15 @@ def draw(bench: Bench, rng: Generator, *, pixels: bool = False, held_out: int = 
     own = bench.level_error or 0.0
     level_factor = {g: 1.0 + own * rng.standard_normal() for g in range(20)}
     rows, held, truth = [], [], []
-    for block in bench.conditions():
-        light = block.level * certificate * level_factor[int(block.level)]
-        light *= 1.0 + bench.unrest * rng.standard_normal()
+    n_flats = len(bench.exposures) + len(bench.levels)
+    wander = np.append(1.0 + bench.drift * np.linspace(-0.5, 0.5, n_flats), np.ones(bench.darks))
+    for condition, drifted in zip(bench.conditions(), wander, strict=True):
+        light = condition.level * certificate * level_factor[int(condition.level)]
+        light *= drifted * (1.0 + bench.unrest * rng.standard_normal())
+        block = condition
+        if bench.monitor_noise is not None and block.kind == "flat":
+            reading = 1e-6 * light * (1.0 + bench.monitor_noise * rng.standard_normal())
+            block = block.model_copy(update={"monitor": reading})
         signal = light * vignette * responsivity * block.exposure_us
         signal = signal + bench.dark_current * block.exposure_us
         truth.append(offset + signal)

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,9 @@ from calib.radiometric.estimation.scale import radiance_scale
 from calib.recording.header import Block
 from tests.calib.radiometric.simulated import Bench, draw
 
-QUIET = CommonMode(0.0, 0.0, 0.0, 5, 1.0, np.zeros((5, 5)), np.zeros((5, 5)), (1, 2, 3))
+QUIET = CommonMode(
+    0.0, 0.0, 0.0, np.zeros(0), 5, 1.0, np.zeros((5, 5)), np.zeros((5, 5)), (1, 2, 3)
+)
 RELATIVE = np.array([1.0, 2.0, 3.1, 3.9])
 
 
@@ -51,7 +55,7 @@ def test_scatter_of_the_levels_is_found_where_none_is_stated() -> None:
 
 
 def test_levels_at_odds_with_what_is_stated_are_significant() -> None:
-    noisy = CommonMode(0.0, 0.0, 0.0, 5, 1.0, np.eye(5) * 1e-10, np.zeros((5, 5)), (1, 2, 3))
+    noisy = replace(QUIET, by_source=np.eye(5) * 1e-10)
     radiance = 12.5 * RELATIVE * np.array([1.0, 1.02, 1.0, 0.98])
     assert radiance_scale(groups(list(radiance)), RELATIVE, noisy, 0.001).scatter_sigma > 10
 
