@@ -1,4 +1,4 @@
-"""A monitor that follows the source corrects each block's light; one that does not, does nothing."""
+"""A monitor that follows the source corrects the blocks' light; one that does not, does nothing."""
 
 from dataclasses import replace
 
