@@ -5,6 +5,7 @@ Eqs. 1-3 and section 5. Where this differs, and why, is in docs/calibration.md.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 
 from calib.radiometric.calibration import Calibration
@@ -85,10 +86,14 @@ def calibrate(
     )
     header = _in_unit(recording.header, radiance_unit)
     determined = determine(statistics, header, provenance, choices)
+    judged = _judge(recording, statistics, determined, held_out_every)
+    found = determined.coefficients
+    # The digest is a few frames behind, and had until now to catch up.
+    digested = replace(found.provenance, recording_digest=recording.digest())
     return Calibration(
-        coefficients=determined.coefficients,
+        coefficients=replace(found, provenance=digested),
         darks=determined.darks,
-        uniformity=_judge(recording, statistics, determined, held_out_every),
+        uniformity=judged,
         figures=determined.figures,
         warnings=(*recording.warnings, *determined.warnings),
     )
@@ -126,7 +131,7 @@ def _provenance(
     plan: str,
     origin: Mapping[str, Parameter],
 ) -> Provenance:
-    """Return what makes the set repeatable."""
+    """Return what makes the set repeatable, but for the recording's digest."""
     camera = recording.header.camera
     parameters: dict[str, Parameter] = {
         "order": choices.order,
@@ -142,7 +147,7 @@ def _provenance(
         parameters["tone_pixels_per_line"] = tone.pixels_per_line
     parameters |= origin
     return Provenance(
-        recording_digest=recording.digest(),
+        recording_digest="",
         recording_name=recording.path.name,
         started_at=camera.started_at.isoformat() if camera.started_at else "",
         plan=plan,

@@ -33,10 +33,11 @@ HOT_SHARE = 0.02
 def unchanging(flats: BlockTable, darks: BlockTable) -> NDArray[np.bool_]:
     """Return columns that sent one and the same code throughout, (n_columns,)."""
     tables = [table for table in (flats, darks) if len(table)]
-    means = np.vstack([table.mean_dn for table in tables])
-    variances = np.vstack([table.variance_dn2 for table in tables])
-    still = (np.nan_to_num(variances) == 0).all(axis=0) & (len(means) > 1)
-    return np.asarray(still & (np.ptp(means, axis=0) == 0))
+    still = np.full(flats.mean_dn.shape[1], sum(len(table) for table in tables) > 1)
+    for table in tables:
+        varies = (table.variance_dn2 > 0) | (table.mean_dn != flats.mean_dn[0])
+        still &= ~varies.any(axis=0)
+    return still
 
 
 def check_columns(

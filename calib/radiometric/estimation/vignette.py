@@ -103,7 +103,9 @@ def fit_profile(
     state = whitened_rows(design, slope, slope_variance, use, orders[-1])
     choice = compare_orders(state, orders, n_taps)
     n_smooth = choice.chosen + 1
-    final = whitened_rows(design[:, : n_taps + n_smooth], slope, slope_variance, use, choice.chosen)
+    final = whitened_rows(
+        design[:, : n_taps + n_smooth], slope, slope_variance, use, choice.chosen, start=state
+    )
     covariance = np.linalg.inv(final.design.T @ final.design)
     coefficients = covariance @ (final.design.T @ final.target)
     smooth_first = np.r_[n_taps : n_taps + n_smooth, 0:n_taps]

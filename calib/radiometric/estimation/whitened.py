@@ -23,19 +23,29 @@ class Whitened:
     scatter: float
     use: NDArray[np.bool_]
     relative_sigma: Columns
+    profile: Columns
 
 
 def whitened_rows(
-    design: Matrix, slope: Columns, variance: Columns, use: NDArray[np.bool_], order: int
+    design: Matrix,
+    slope: Columns,
+    variance: Columns,
+    use: NDArray[np.bool_],
+    order: int,
+    *,
+    start: Whitened | None = None,
 ) -> Whitened:
     """Find profile, ε and outliers in turn, until ε stands still.
 
-    The last `order` + 1 columns of `design` are the polynomial, those before it the taps.
+    The last `order` + 1 columns of `design` are the polynomial, those before it the taps. `start`
+    is where another order ended, from which few turns lead on.
     """
     n_taps = design.shape[1] - order - 1
-    profile = np.full_like(slope, np.nanmedian(slope[use]))
-    floor, noise = 1e-3 * profile[0], np.nan_to_num(variance)
-    scatter, kept, following = 0.1, use, use
+    typical = float(np.nanmedian(slope[use]))
+    floor, noise = 1e-3 * typical, np.nan_to_num(variance)
+    profile, scatter, following = np.full_like(slope, typical), 0.1, use
+    if start is not None:
+        profile, scatter, following = start.profile, start.scatter, start.use
     for _ in range(ITERATIONS):
         last, kept = scatter, following
         rows = design
@@ -56,7 +66,7 @@ def whitened_rows(
         following = use & (np.abs(rest) <= OUTLIER_SIGMA * max(robust, 1e-12) * total)
         if abs(scatter - last) < SETTLED * scatter and (following == kept).all():
             break
-    return Whitened(scaled_rows[kept], target[kept], scatter, kept, relative)
+    return Whitened(scaled_rows[kept], target[kept], scatter, kept, relative, profile)
 
 
 def _scatter(rest: Columns, variance: Columns, freedom: int) -> float:
