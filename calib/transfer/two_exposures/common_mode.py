@@ -54,7 +54,9 @@ class CommonMode:
         excess, std, own = [], [], []
         for series, variance in zip((first, second), mean_variances_dn2, strict=True):
             share = variance / series.n_pixels
-            excess.append(series.variance_of_frame_mean_dn2 - share)
+            # vᵢ holds x, too: without 1 − 1/N a share of it would stay in the variances.
+            beyond = (series.variance_of_frame_mean_dn2 - share) / (1.0 - 1.0 / series.n_pixels)
+            excess.append(beyond)
             scatter = float(np.sqrt(2.0 / series.n_free))
             std.append(scatter * series.variance_of_frame_mean_dn2)
             own.append(scatter * share)

@@ -1,6 +1,7 @@
 """The moments of every pixel at two exposures of one scene."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,7 +101,7 @@ class ExposurePair:
         """V = σ₂² − σ₁², (n_pixels,), DN²; rounding and read noise cancel in it."""
         return self.second.variance_dn2 - self.first.variance_dn2
 
-    @property
+    @cached_property
     def ratio_of_sums(self) -> float:
         """ΣV/ΣD over pixels that nowhere clip, DN/e⁻: a first system gain, 0 where there is none.
 
@@ -112,7 +113,7 @@ class ExposurePair:
         shot = float(np.sum(self.variance_difference_dn2[unclipped]))
         return max(shot / total, 0.0) if total > 0 else 0.0
 
-    @property
+    @cached_property
     def unclipped(self) -> NDArray[np.bool_]:
         """Pixels of which no sample clips, (n_pixels,)."""
         clipped = [e.at_zero + e.at_full_scale for e in (self.first, self.second)]

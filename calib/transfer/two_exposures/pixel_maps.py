@@ -1,6 +1,7 @@
 """What two exposures tell of every pixel, and the file that it is kept in."""
 
 import math
+from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -12,11 +13,11 @@ from numpy.typing import NDArray
 from calib.kernels.pixel_sums import Pixels
 from calib.radiometric.coefficients import content_addressed
 from calib.transfer.two_exposures.exposure_pair import ExposurePair
+from calib.transfer.two_exposures.in_parts import in_parts
 from calib.transfer.two_exposures.pixel_state import PixelState
 
 Method = Literal["sanuc", "s3nuc"]
 FORMAT = "darkflat two-exposure maps 1"
-_AT_ONCE = 32768  # pixels whose intermediate results stay in the cache
 
 
 @dataclass(frozen=True)
@@ -96,14 +97,15 @@ class PixelMaps:
 
 def by_pixel(pair: ExposurePair, estimate: Callable[[ExposurePair, float], PixelMaps]) -> PixelMaps:
     """Return `estimate` of all pixels, some at a time, so that memory is that of the maps."""
-    gain, n = pair.ratio_of_sums, pair.n_pixels
-    maps = PixelMaps.empty(n)
-    for first in range(0, n, _AT_ONCE):
-        some = slice(first, first + _AT_ONCE)
+    gain, maps = pair.ratio_of_sums, PixelMaps.empty(pair.n_pixels)
+
+    def fill(some: slice) -> None:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             part = estimate(pair.at(some), gain)
         for field in fields(PixelMaps):
             getattr(maps, field.name)[some] = getattr(part, field.name)
+
+    deque(in_parts(pair.n_pixels, fill), maxlen=0)
     return maps
 
 

@@ -17,12 +17,12 @@ from calib.kernels.pixel_sums import Pixels
 from calib.transfer.two_exposures.common_mode import CommonMode
 from calib.transfer.two_exposures.exposure_pair import ExposureMoments, ExposurePair
 from calib.transfer.two_exposures.frame_series import FrameSeries
+from calib.transfer.two_exposures.in_parts import in_parts
 from calib.transfer.two_exposures.sampling import SamplingCovariance, sampling_covariances
 from calib.transfer.two_exposures.weights import Weights
 
 MEAN_BY_GAIN, VARIANCE_BY_GAIN, MEAN, VARIANCE_BY_READ, THIRD = range(5)
 _MEANS, _VARIANCES = (MEAN_BY_GAIN, MEAN), (VARIANCE_BY_GAIN, VARIANCE_BY_READ)
-_AT_ONCE = 32768
 CHANCE = 1e-3
 """A dispersion that chance gives more rarely than this is counted."""
 
@@ -56,23 +56,26 @@ def pooled_moments(
         members: The pixels that `series` is over, whether they count or not, (n_pixels,).
         series: Frame means of the first and of the second exposure.
     """
-    w = np.stack([weights.gain, weights.gain, weights.even, weights.read, weights.even])
-    w /= w.sum(axis=1, keepdims=True)
-    values, covariance = np.zeros((2, 5)), np.zeros((2, 5, 5))
-    scatter = np.zeros(2)
-    gain, n = pair.ratio_of_sums, pair.n_pixels
-    common = _common_mode(pair, members, series)
-    for first in range(0, n, _AT_ONCE):
-        some = slice(first, first + _AT_ONCE)
+    w = np.stack([weights.gain, weights.read, weights.even])
+    w = (w / w.sum(axis=1, keepdims=True))[[0, 0, 2, 1, 2]]
+    gain, common = pair.ratio_of_sums, _common_mode(pair, members, series)
+
+    def sums(some: slice) -> tuple[NDArray[np.float64], ...]:
         part = _without(common, pair.at(some), weights.signal_dn[some])
-        covs = sampling_covariances(part, gain)
-        for a, (moments, cov) in enumerate(zip((part.first, part.second), covs, strict=True)):
-            values[a] += _values(moments, w[:, some])
-            covariance[a] += _covariance(cov, w[:, some])
-            scatter[a] += float(np.sum(cov.variance[members[some]]))
+        both = list(zip((part.first, part.second), sampling_covariances(part, gain), strict=True))
+        of = w[:, some]
+        lit = weights.signal_dn[some]
+        return (
+            np.stack([_values(moments, of) for moments, _ in both]),
+            np.stack([_covariance(cov, of) for _, cov in both]),
+            np.array([np.sum(cov.variance[members[some]]) for _, cov in both]),
+            np.einsum("ki,i->k", of, lit),
+            np.einsum("ki,i,i->k", of, lit, lit),
+        )
+
+    parts = zip(*in_parts(pair.n_pixels, sums), strict=True)
+    values, covariance, scatter, signal, square = (sum(each) for each in parts)
     dispersion = _dispersion(pair, scatter, series)
-    signal = np.einsum("ki,i->k", w, weights.signal_dn)
-    square = np.einsum("ki,i,i->k", w, weights.signal_dn, weights.signal_dn)
     for a, moments in enumerate((pair.first, pair.second)):
         _add_variances(covariance[a], common, a, square, dispersion[a])
         _add_means(covariance[a], common, a, signal, moments.n_frames)

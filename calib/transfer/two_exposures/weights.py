@@ -13,6 +13,7 @@ is their mean weighted with the signal G·λ: where gains differ by c (relative)
 lit, it is 1 + c² times their mean, and electrons that are reckoned with it are 1 + c² too few.
 """
 
+from collections import deque
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -21,11 +22,11 @@ from scipy.ndimage import uniform_filter
 
 from calib.kernels.pixel_sums import Pixels
 from calib.transfer.two_exposures.exposure_pair import ExposurePair
+from calib.transfer.two_exposures.in_parts import in_parts
 from calib.transfer.two_exposures.sanuc import ROUNDING_DN2
 
 _NEIGHBOURS = {1: 65, 2: 9}  # along an axis, by the number of axes
 _TYPICAL_OF = 1 << 18  # pixels are enough for what is typical
-_AT_ONCE = 32768
 _FARTHEST = 4.0  # a pixel's signal from its neighbours', as a factor
 
 
@@ -71,11 +72,13 @@ def weights(pair: ExposurePair, where: NDArray[np.bool_], shape: tuple[int, ...]
     some = slice(None, None, -(-pair.n_pixels // _TYPICAL_OF))
     typical = _typical(pair.at(some), where[some], smooth[some], pair.ratio_of_sums)
     found = Weights(*(np.empty(pair.n_pixels) for _ in range(4)))
-    for first in range(0, pair.n_pixels, _AT_ONCE):
-        part = slice(first, first + _AT_ONCE)
+
+    def fill(part: slice) -> None:
         of_part = _weights(pair.at(part), where[part], smooth[part], typical)
         for field in fields(Weights):
             getattr(found, field.name)[part] = getattr(of_part, field.name)
+
+    deque(in_parts(pair.n_pixels, fill), maxlen=0)
     return found
 
 

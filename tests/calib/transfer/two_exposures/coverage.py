@@ -59,9 +59,9 @@ def per_pixel(sensor: Sensor, n: int) -> str:
         z = z[np.isfinite(z)]
         cells.append(f"{z.mean():+.2f}, {spread_of(z)[0]:.3f}")
     known = np.isfinite(maps.photoelectrons)
-    plainly = pair.difference_dn**2 / pair.variance_difference_dn2 / sensor.electrons
-    ours = maps.photoelectrons / sensor.electrons
-    off = [f"{100 * (each[known].mean() - 1):+.1f} %" for each in (plainly, ours)]
+    d, v = pair.difference_dn[known], pair.variance_difference_dn2[known]
+    told = (d**2 / v, maps.photoelectrons[known])
+    off = [f"{100 * (np.mean(each / sensor.electrons[known]) - 1):+.1f} %" for each in told]
     return " | ".join([f"{100 * known.mean():.1f} %", *cells, *off])
 
 

@@ -1,5 +1,7 @@
 """S3NUC and SANUC pixel by pixel: their equations, their errors, their states."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -7,9 +9,16 @@ from calib.transfer.two_exposures.exposure_pair import ExposureMoments, Exposure
 from calib.transfer.two_exposures.pixel_maps import PixelMaps
 from calib.transfer.two_exposures.pixel_state import PixelState
 from calib.transfer.two_exposures.s3nuc import s3nuc
+from calib.transfer.two_exposures.sampling import sampling_covariance
 from calib.transfer.two_exposures.sanuc import sanuc
 from tests.calib.transfer.two_exposures.scores import mean_of, spread_of
-from tests.calib.transfer.two_exposures.stacks import Sensor, Values, drawn_pair, pair_of
+from tests.calib.transfer.two_exposures.stacks import (
+    Sensor,
+    Values,
+    accumulated,
+    drawn_pair,
+    pair_of,
+)
 
 N_PIXELS = 6000
 SEVERAL = 4.0  # standard errors
@@ -110,6 +119,65 @@ def test_the_reciprocal_of_the_photoelectrons_is_not_skewed() -> None:
     tied = 7 / 5**1.5 * np.sqrt(2.0 / 100)
     cut = 0.03  # of those left out at V < u(V)
     assert abs(mean) < tied + cut + SEVERAL * of_mean
+
+
+@pytest.mark.parametrize("n_frames", [1000, 10_000])
+def test_s3nuc_undoes_the_bias_of_second_order(n_frames: int) -> None:
+    # E f(x) = f + tr(H C)/2 with the Hessian H by differences, against what is divided by.
+    pair = exact(n_frames)
+    maps = s3nuc(pair)
+    told = {
+        3: maps.photoelectrons,
+        2: pair.first.mean_dn - maps.bias_dn,
+        1: pair.first.variance_dn2 - 1 / 12 - maps.read_noise_variance_dn2,
+    }
+    gain = np.array([0.5, 2.0])
+    for pixel in range(2):
+        some = pair.at(slice(pixel, pixel + 1))
+        a, b = some.first, some.second
+        q, g = some.difference_dn, gain[pixel]
+        one = sampling_covariance(a, q, g)
+        two = sampling_covariance(b, 2 * q, g)
+        c = np.zeros((5, 5))
+        c[0, 0], c[1, 1], c[2, 2] = one.mean[0], one.variance[0], one.third[0]
+        c[0, 1] = c[1, 0] = one.mean_variance[0]
+        c[0, 2] = c[2, 0] = one.mean_third[0]
+        c[1, 2] = c[2, 1] = one.variance_third[0]
+        c[3, 3], c[4, 4] = two.mean[0], two.variance[0]
+        c[3, 4] = c[4, 3] = two.mean_variance[0]
+        for power, values in told.items():
+
+            def f(x: Values, power: int = power) -> float:
+                return float(x[2] * ((x[3] - x[0]) / (x[4] - x[1])) ** power)
+
+            moments = (a.mean_dn, a.variance_dn2, a.third_dn3, b.mean_dn, b.variance_dn2)
+            x = np.concatenate(moments)
+            bias = 0.5 * np.sum(hessian(f, x) * c) / f(x)
+            assert bias > 0.001
+            assert f(x) / values[pixel] - 1.0 == pytest.approx(bias, rel=0.02), power
+
+
+def hessian(f: Callable[[Values], float], x: Values) -> Values:
+    steps = np.diag(1e-4 * np.abs(x))
+    second = np.zeros((x.size, x.size))
+    for i, a in enumerate(steps):
+        for j, b in enumerate(steps):
+            rise = f(x + a + b) - f(x + a - b) - f(x - a + b) + f(x - a - b)
+            second[i, j] = rise / (4 * a[i] * b[j])
+    return second
+
+
+def test_blocks_merge_about_their_own_means() -> None:
+    rng = np.random.default_rng(3)
+    parts = [rng.integers(0, 50 + 20 * k, (n, 7)).astype(np.uint16) for k, n in enumerate((5, 9))]
+    one, two = (ExposureMoments.of(accumulated(dn).sums) for dn in parts)
+    merged = one.merged(two)
+    deviations = np.concatenate([dn - dn.mean(axis=0) for dn in parts])
+    assert (merged.n_frames, merged.n_free) == (14, 12)
+    assert np.allclose(merged.mean_dn, np.concatenate(parts).mean(axis=0), rtol=1e-12)
+    assert np.allclose(merged.variance_dn2, (deviations**2).sum(axis=0) / 12, rtol=1e-12)
+    third = (5 * one.third_dn3 + 9 * two.third_dn3) / 14
+    assert np.allclose(merged.third_dn3, third, rtol=1e-12)
 
 
 def test_s3nuc_covers_where_third_moments_are_known() -> None:

@@ -11,13 +11,16 @@ import pytest
 
 from calib.errors import DarkflatError, NotDeterminedError
 from calib.recording.statistics import CancelledError
+from calib.transfer.two_exposures.exposure_pair import ExposureMoments
 from calib.transfer.two_exposures.pixel_state import PixelState
+from calib.transfer.two_exposures.static_scene import pattern_change
 from calib.transfer.two_exposures.two_exposures import TwoExposures, two_exposure_moments
 from tests.calib.transfer.two_exposures.stacks import (
     InMemory,
     RawLines,
     Sensor,
     Shot,
+    accumulated,
     recording_of,
 )
 
@@ -172,6 +175,20 @@ def test_a_picture_that_moves_is_refused_although_its_mean_stays() -> None:
     moved = recording_of([Shot(frames(1, 1.0, 0.3), T), Shot(frames(2, 2.0, 0.3), 2 * T)])
     assert codes_of(two_exposure_moments(still)) == ["few-frames"]
     assert refusal(moved) == "scene-moved"
+
+
+def test_a_lamp_that_changes_is_no_change_of_the_picture() -> None:
+    place = np.linspace(0.0, 6 * np.pi, SENSOR.gain.size)
+    sensor = replace(SENSOR, electrons=SENSOR.electrons * (1 + 0.5 * np.sin(place)))
+    done = accumulated(sensor.frames(8, 1))
+    early = done.sums.codes.copy()
+    for factor in (1.0, 1.02):
+        done.add(sensor.frames(32, 2, factor))
+        moments = ExposureMoments.of(done.sums)
+        still = replace(moments, variance_dn2=sensor.electrons + 36.0)
+        change = pattern_change("000", done.sums, early, still)
+        assert abs(change.mean_square_dn2) < SEVERAL * change.std_dn2
+    assert SEVERAL * change.std_dn2 < (0.01 * 3000 * 0.35) ** 2  # were the factor not fitted
 
 
 def test_a_bent_response_and_darks_that_disagree_are_told() -> None:
