@@ -23,6 +23,7 @@ from calib.transfer.two_exposures.two_exposures import two_exposure_moments
 BITS = 14
 LONGEST_TIMES_SUMS = 2.0
 LONGEST_TIMES_PASS = 3.0
+_CACHED = 16_384
 _PASSES = 5  # the frames at hand are shown so many times
 
 
@@ -157,14 +158,16 @@ def _with_numpy(dn: RawLines) -> None:
 
 
 def _bare(dn: RawLines, pool: ThreadPoolExecutor) -> Callable[[], object]:
-    """Return the bare loop, each thread over half of the pixels."""
+    """Return the bare loop, each thread over half of the pixels, a cacheful of sums at a time."""
     codes, squares = (np.zeros(dn.shape[1], dtype) for dtype in (np.uint32, np.uint64))
     half = dn.shape[1] // 2
 
-    def run(some: slice) -> None:
-        bare_sums(dn[:, some], 0, len(dn), codes[some], squares[some])
+    def run(first: int, stop: int) -> None:
+        for left in range(first, stop, _CACHED):
+            some = slice(left, min(left + _CACHED, stop))
+            bare_sums(dn[:, some], 0, len(dn), codes[some], squares[some])
 
-    return lambda: list(pool.map(run, (slice(0, half), slice(half, None))))
+    return lambda: list(pool.map(run, (0, half), (half, dn.shape[1])))
 
 
 def _size(size: Size) -> str:

@@ -23,6 +23,7 @@ from calib.transfer.two_exposures.weights import Weights
 
 MEAN_BY_GAIN, VARIANCE_BY_GAIN, MEAN, VARIANCE_BY_READ, THIRD = range(5)
 _MEANS, _VARIANCES = (MEAN_BY_GAIN, MEAN), (VARIANCE_BY_GAIN, VARIANCE_BY_READ)
+_COVARIANCE_OF = 1 << 19  # pixels tell the errors to well under 1 %
 CHANCE = 1e-3
 """A dispersion that chance gives more rarely than this is counted."""
 
@@ -60,15 +61,18 @@ def pooled_moments(
     w = (w / w.sum(axis=1, keepdims=True))[[0, 0, 2, 1, 2]]
     gain, common = pair.ratio_of_sums, _common_mode(pair, members, series)
 
+    every = -(-pair.n_pixels // _COVARIANCE_OF)
+
     def sums(some: slice) -> tuple[NDArray[np.float64], ...]:
-        part = _without(common, pair.at(some), weights.signal_dn[some])
-        both = list(zip((part.first, part.second), sampling_covariances(part, gain), strict=True))
-        of = w[:, some]
-        lit = weights.signal_dn[some]
+        of, lit = w[:, some], weights.signal_dn[some]
+        part = _without(common, pair.at(some), lit)
+        few = part.at(slice(None, None, every))
+        covs = sampling_covariances(few, gain)
+        counted = members[some][::every]
         return (
-            np.stack([_values(moments, of) for moments, _ in both]),
-            np.stack([_covariance(cov, of) for _, cov in both]),
-            np.array([np.sum(cov.variance[members[some]]) for _, cov in both]),
+            np.stack([_values(moments, of) for moments in (part.first, part.second)]),
+            every * np.stack([_covariance(cov, of[:, ::every]) for cov in covs]),
+            every * np.array([np.sum(cov.variance[counted]) for cov in covs]),
             np.einsum("ki,i->k", of, lit),
             np.einsum("ki,i,i->k", of, lit, lit),
         )

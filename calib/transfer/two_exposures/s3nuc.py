@@ -24,10 +24,9 @@ import numpy as np
 from calib.kernels.pixel_sums import Pixels
 from calib.transfer.two_exposures.exposure_pair import ExposurePair
 from calib.transfer.two_exposures.pixel_maps import PixelMaps, by_pixel
-from calib.transfer.two_exposures.pixel_state import PixelState
 from calib.transfer.two_exposures.sampling import SamplingCovariance, sampling_covariances
 from calib.transfer.two_exposures.sanuc import ROUNDING_DN2
-from calib.transfer.two_exposures.states import pixel_states, told
+from calib.transfer.two_exposures.states import Told, pixel_states
 
 
 def s3nuc(pair: ExposurePair) -> PixelMaps:
@@ -45,7 +44,7 @@ def _estimate(pair: ExposurePair, gain_dn_per_e: float) -> PixelMaps:
     # −cov(ln T, ln G): T meets V by −σ₁² and D by −D̄₁; 6κ₂κ₃ leads, and κ₃ cancels.
     tied = 6.0 * pair.first.variance_dn2 / (pair.first.n_free * v)
     reason = pixel_states(pair, np.sqrt(var_d), np.sqrt(var_v))
-    neither = (PixelState.NO_RESPONSE, PixelState.NO_SHOT_NOISE)
+    told = Told(reason)
 
     def third_over(power: int) -> Pixels:
         bias = 1.0 + 0.5 * power * (power + 1) * relative + power * np.maximum(tied, 0.0)
@@ -61,20 +60,20 @@ def _estimate(pair: ExposurePair, gain_dn_per_e: float) -> PixelMaps:
     read = pair.first.variance_dn2 - third_over(1) - ROUNDING_DN2
     step_relative = relative + 3.0 * var_d / d**2 - 2.0 * cov / (d * v)
     return PixelMaps(
-        system_gain_dn_per_e=told(reason, gain, PixelState.NO_RESPONSE),
-        system_gain_dn_per_e_std=told(reason, std(of_gain), PixelState.NO_RESPONSE),
-        bias_dn=told(reason, bias_dn, *neither),
-        bias_dn_std=told(reason, std(of_bias), *neither),
-        photoelectrons=told(reason, third_over(3), *neither),
-        photoelectrons_std=told(reason, std(_Form.less_third(pair, 3)), *neither),
-        photoelectrons_step=told(reason, step / (1.0 + relative), *neither),
-        photoelectrons_step_std=told(reason, step * np.sqrt(step_relative), *neither),
-        read_noise_variance_dn2=told(reason, read, *neither),
-        read_noise_variance_dn2_std=told(
-            reason, std(_Form.less_third(pair, 1, variance=1.0)), *neither
+        system_gain_dn_per_e=told.with_gain(gain),
+        system_gain_dn_per_e_std=told.with_gain(std(of_gain)),
+        bias_dn=told.with_shot_noise(bias_dn),
+        bias_dn_std=told.with_shot_noise(std(of_bias)),
+        photoelectrons=told.with_shot_noise(third_over(3)),
+        photoelectrons_std=told.with_shot_noise(std(_Form.less_third(pair, 3))),
+        photoelectrons_step=told.with_shot_noise(step / (1.0 + relative)),
+        photoelectrons_step_std=told.with_shot_noise(step * np.sqrt(step_relative)),
+        read_noise_variance_dn2=told.with_shot_noise(read),
+        read_noise_variance_dn2_std=told.with_shot_noise(
+            std(_Form.less_third(pair, 1, variance=1.0))
         ),
-        gain_bias_covariance=told(reason, of_gain.covariance(of_bias, first, second), *neither),
-        signal_dn=told(reason, d / (pair.ratio - 1.0)),
+        gain_bias_covariance=told.with_shot_noise(of_gain.covariance(of_bias, first, second)),
+        signal_dn=told.always(d / (pair.ratio - 1.0)),
         reason=reason,
     )
 

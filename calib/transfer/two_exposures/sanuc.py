@@ -18,9 +18,8 @@ import numpy as np
 
 from calib.transfer.two_exposures.exposure_pair import ExposurePair
 from calib.transfer.two_exposures.pixel_maps import PixelMaps, by_pixel
-from calib.transfer.two_exposures.pixel_state import PixelState
 from calib.transfer.two_exposures.sampling import sampling_covariances
-from calib.transfer.two_exposures.states import pixel_states, told
+from calib.transfer.two_exposures.states import Told, pixel_states
 
 ROUNDING_DN2 = 1.0 / 12.0
 """Sheppard's correction: what rounding to whole codes adds to a variance."""
@@ -49,22 +48,21 @@ def _estimate(pair: ExposurePair, gain_dn_per_e: float) -> PixelMaps:
     cov_v = -own * first.mean_variance - other * second.mean_variance
     cov_d = -own * first.mean - other * second.mean
     reason = pixel_states(pair, np.sqrt(var_d), np.sqrt(var_v))
-    no_gain = (PixelState.NO_RESPONSE,)
-    neither = (PixelState.NO_RESPONSE, PixelState.NO_SHOT_NOISE)
+    told = Told(reason)
     return PixelMaps(
-        system_gain_dn_per_e=told(reason, gain, *no_gain),
-        system_gain_dn_per_e_std=told(reason, np.sqrt(var_gain), *no_gain),
-        bias_dn=told(reason, pair.first.mean_dn - d / rho),
-        bias_dn_std=told(reason, np.sqrt(var_bias)),
-        photoelectrons=told(reason, unbiased, *neither),
-        photoelectrons_std=told(
-            reason, electrons * np.sqrt(relative + (pair.ratio_std / rho) ** 2), *neither
+        system_gain_dn_per_e=told.with_gain(gain),
+        system_gain_dn_per_e_std=told.with_gain(np.sqrt(var_gain)),
+        bias_dn=told.always(pair.first.mean_dn - d / rho),
+        bias_dn_std=told.always(np.sqrt(var_bias)),
+        photoelectrons=told.with_shot_noise(unbiased),
+        photoelectrons_std=told.with_shot_noise(
+            electrons * np.sqrt(relative + (pair.ratio_std / rho) ** 2)
         ),
-        photoelectrons_step=told(reason, rho * unbiased, *neither),
-        photoelectrons_step_std=told(reason, rho * electrons * np.sqrt(relative), *neither),
-        read_noise_variance_dn2=told(reason, read),
-        read_noise_variance_dn2_std=told(reason, np.sqrt(var_read)),
-        gain_bias_covariance=told(reason, (cov_v - gain * cov_d) / d, *no_gain),
-        signal_dn=told(reason, d / rho),
+        photoelectrons_step=told.with_shot_noise(rho * unbiased),
+        photoelectrons_step_std=told.with_shot_noise(rho * electrons * np.sqrt(relative)),
+        read_noise_variance_dn2=told.always(read),
+        read_noise_variance_dn2_std=told.always(np.sqrt(var_read)),
+        gain_bias_covariance=told.with_gain((cov_v - gain * cov_d) / d),
+        signal_dn=told.always(d / rho),
         reason=reason,
     )

@@ -1,5 +1,8 @@
 """Which pixels two exposures determine."""
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,7 +42,29 @@ def pixel_states(
     )
 
 
-def told(reason: NDArray[np.uint8], values: Pixels, *unless: PixelState) -> Pixels:
-    """Return `values`, NaN where clipped, dead, or in one of the states of `unless`."""
-    never = (PixelState.CLIPPED_AT_ZERO, PixelState.CLIPPED_AT_FULL_SCALE, PixelState.DEAD)
-    return np.where(np.isin(reason, (*never, *unless)), np.nan, values)
+@dataclass(frozen=True)
+class Told:
+    """Puts NaN where a pixel's state does not allow a value; each mask is (n_pixels,)."""
+
+    reason: NDArray[np.uint8]
+
+    def always(self, values: Pixels) -> Pixels:
+        """Return values that any pixel tells that neither clips nor is dead."""
+        return np.where(self._nothing, np.nan, values)
+
+    def with_gain(self, values: Pixels) -> Pixels:
+        """Return values that need a response to light."""
+        return np.where(self._no_gain, np.nan, values)
+
+    def with_shot_noise(self, values: Pixels) -> Pixels:
+        """Return values that are divided by the shot noise."""
+        return np.where(self.reason != PixelState.VALID, np.nan, values)
+
+    @cached_property
+    def _nothing(self) -> NDArray[np.bool_]:
+        first, last = PixelState.CLIPPED_AT_ZERO, PixelState.DEAD
+        return np.greater_equal(self.reason, first) & np.less_equal(self.reason, last)
+
+    @cached_property
+    def _no_gain(self) -> NDArray[np.bool_]:
+        return self._nothing | np.equal(self.reason, PixelState.NO_RESPONSE)
