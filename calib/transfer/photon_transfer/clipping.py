@@ -11,12 +11,45 @@ limit that was used (`truncation`).
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.arrays import Columns
+from calib.arrays import Columns, RawLines
+from calib.transfer.photon_transfer.cells import CellLayout
 
+_LINES = 256
 _GROUP = 4096
 _MOST_GROUPS = 24
 _SMALLEST_DN = 0.75
 """Differences of codes that hardly change would else have a limit of nothing."""
+
+
+def first_limits(exposures: RawLines, layout: CellLayout, clip_sigma: float) -> NDArray[np.float64]:
+    """Return how far a difference may be off, DN, (n_bands, columns).
+
+    Args:
+        exposures: The first ones, two or more: lines, or frames of which two are looked at.
+        layout: Of the cells.
+        clip_sigma: In standard deviations of a difference.
+    """
+    few = exposures[: 2 if layout.is_area else _LINES].astype(np.float64)
+    if layout.is_area:
+        samples = _by_cell(few[1] - few[0], layout)
+        mean = np.nanmean(_by_cell(few.mean(axis=0), layout), axis=0)
+    else:
+        samples, mean = np.diff(few, axis=0), few.mean(axis=0)
+    tap = layout.tap.ravel()
+    for number in range(layout.n_taps):
+        own = samples[:, tap == number]
+        shared = np.nanmedian(own, axis=None if layout.is_area else 1, keepdims=True)
+        samples[:, tap == number] = own - shared
+    return limits(samples, mean, tap, clip_sigma).reshape(layout.tap.shape)
+
+
+def _by_cell(frame: NDArray[np.float64], layout: CellLayout) -> NDArray[np.float64]:
+    """Return a frame's pixels as (rows of the highest band, n_cells); NaN where a band ends."""
+    heights = np.diff(layout.edges)
+    found = np.full((int(heights.max()), layout.n_bands, layout.columns), np.nan)
+    for band, height in enumerate(heights):
+        found[:height, band] = frame[layout.edges[band] : layout.edges[band + 1]]
+    return found.reshape(len(found), -1)
 
 
 def limits(

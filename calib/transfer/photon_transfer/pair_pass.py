@@ -31,12 +31,11 @@ from calib.recording.protocol import Recording
 from calib.recording.statistics import CancelledError, Progress, never
 from calib.transfer.photon_transfer.band_sums import BandSums, Difference, centres, in_steps
 from calib.transfer.photon_transfer.cells import BlockCells, CellLayout, lags_of
-from calib.transfer.photon_transfer.clipping import limits
+from calib.transfer.photon_transfer.clipping import first_limits
 from calib.transfer.photon_transfer.from_pairs import CommonSums, block_cells
 from calib.transfer.photon_transfer.truncation import CLIP_SIGMA
 
 FARTHEST_LAG = 2
-_LINES_FOR_LIMITS = 256
 
 
 def pair_statistics(
@@ -102,7 +101,7 @@ class _BlockPairs:
         if len(joined) < 2:
             return
         if self._limit_dn is None:
-            self._limit_dn = self._limits(joined)
+            self._limit_dn = first_limits(joined, self._layout, self._clip_sigma)
         if self._layout.is_area:
             for later, earlier in zip(joined[1:], joined[:-1], strict=True):
                 self._add_frame(later[None], earlier[None])
@@ -155,32 +154,6 @@ class _BlockPairs:
             total[0, taps] += sums.differences.sum(axis=0)
             total[1, taps] += sums.counts.sum(axis=0)
         return centres_of(total, before)
-
-    def _limits(self, dn: RawLines) -> NDArray[np.float64]:
-        """Return each cell's limit from the first exposures, (n_bands, columns)."""
-        layout = self._layout
-        few = dn[:2] if layout.is_area else dn[:_LINES_FOR_LIMITS]
-        wide = few.astype(np.float64)
-        difference = np.diff(wide, axis=0)
-        samples, means = [], []
-        for band in range(layout.n_bands):
-            part = slice(layout.edges[band], layout.edges[band + 1])
-            tap = layout.tap[band]
-            rows = difference[0, part] if layout.is_area else difference
-            for t in layout.taps_of(band):
-                rows[:, tap == t] -= (
-                    np.median(rows[:, tap == t])
-                    if layout.is_area
-                    else np.median(rows[:, tap == t], axis=1, keepdims=True)
-                )
-            samples.append(rows)
-            means.append(wide[:, part].mean(axis=(0, 1)) if layout.is_area else wide.mean(axis=0))
-        longest = max(len(rows) for rows in samples)
-        filled = np.full((longest, layout.n_bands * layout.columns), np.nan)
-        for band, rows in enumerate(samples):
-            filled[: len(rows), band * layout.columns : (band + 1) * layout.columns] = rows
-        found = limits(filled, np.concatenate(means), layout.tap.ravel(), self._clip_sigma)
-        return found.reshape(layout.n_bands, layout.columns)
 
     def cells(self, block: Block) -> BlockCells:
         """Return what the sums say."""

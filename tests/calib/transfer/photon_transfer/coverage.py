@@ -10,6 +10,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.transfer.estimate import Estimate
+from calib.transfer.photon_transfer.curve_fit import Model
 from calib.transfer.photon_transfer.measure import photon_transfer
 from tests.calib.transfer.photon_transfer.simulated import GAIN, READ_DN, Kind, recording
 
@@ -20,16 +22,19 @@ COLUMNS = 256
 def scores(
     kind: Kind, lines: int, seeds: Iterable[int], columns: int = COLUMNS
 ) -> tuple[NDArray[np.float64], list[str]]:
-    """z of K, of the read noise in DN and in electrons, (n, 3), and the models called for."""
+    """z of K, of the read noise in DN and in electrons, and of the K of a straight line that is
+    fitted to everything, (n, 4), and the models called for."""
     found, models = [], []
     for seed in seeds:
         rng = np.random.default_rng([seed, lines, columns])
         measured = photon_transfer(recording(kind, lines, columns, rng))
-        pairs = (
+        pairs: tuple[tuple[Estimate, float], ...] = (
             (measured.system_gain, GAIN),
             (measured.read_noise_dn, READ_DN),
             (measured.read_noise_e, READ_DN / GAIN),
         )
+        line = measured.taps[0].choice.fits[Model.STRAIGHT]
+        pairs += ((Estimate(line.shape.system_gain, line.std("system_gain"), "DN/e-"), GAIN),)
         found.append([(estimate.value - truth) / estimate.std for estimate, truth in pairs])
         models.append(measured.model)
     return np.array(found), models

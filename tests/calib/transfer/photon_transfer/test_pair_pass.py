@@ -173,3 +173,17 @@ def test_a_pass_tells_how_far_it_is_and_stops_when_asked() -> None:
     assert done[-1] == 1.0
     with pytest.raises(CancelledError):
         pair_statistics(recording, cancelled=lambda: True)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_the_common_mean_takes_with_it_is_put_back(seed: int) -> None:
+    # Of eight columns it takes an eighth of the variance, and leaves as much of a covariance.
+    rng = np.random.default_rng(seed)
+    expected = np.linspace(200.0, 1800.0, 8)
+    dn = drawn(np.broadcast_to(expected, (20_000, 8)), rng) + rng.integers(0, 9, (20_000, 1))
+    (cells,) = pair_statistics(held(dn.astype(np.uint16), CameraHeader(columns=8, bit_depth=16)))
+    assert (np.abs(z_of(cells, expected)) < 5).all()
+    wide = truth(expected)
+    for k, (_, lag) in enumerate(cells.lags):
+        error = np.sqrt(1.5 / 20_000 * wide[:-lag] * wide[lag:])
+        assert (np.abs(cells.covariance_dn2[k, :-lag]) < 5 * error).all()
