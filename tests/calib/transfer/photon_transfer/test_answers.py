@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from calib.arrays import RawLines
 from calib.errors import NotDeterminedError
 from calib.radiometric.report.style import as_svg, house_style
 from calib.recording.block_statistics import BlockStatistics, RecordingStatistics
@@ -158,3 +159,18 @@ def test_a_header_alone_is_no_recording() -> None:
     with pytest.raises(NotDeterminedError) as refusal:
         photon_transfer(empty)
     assert refusal.value.code == "no-temporal-noise"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_white_lines_are_not_said_to_lag_and_lagging_ones_are(seed: int) -> None:
+    white = recording("straight", 40, 2000, np.random.default_rng(seed))
+    assert not any("next one's" in w for w in photon_transfer(white).warnings)
+
+    def lagging(dn: RawLines) -> tuple[RawLines, ...]:
+        mean, own = dn.mean(axis=0), dn - dn.mean(axis=0)
+        own[1:] += 0.05 * own[:-1]
+        return (np.clip(np.rint(mean + own), 0, 65535).astype(np.uint16),)
+
+    frames = {name: lagging(np.concatenate(dn)) for name, dn in white.stretches.items()}
+    warnings = photon_transfer(replace(white, stretches=frames)).warnings
+    assert any("next one's by +0.0" in w for w in warnings)
