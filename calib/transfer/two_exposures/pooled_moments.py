@@ -75,13 +75,16 @@ def pooled_moments(
             every * np.array([np.sum(cov.variance[counted]) for cov in covs]),
             np.einsum("ki,i->k", of, lit),
             np.einsum("ki,i,i->k", of, lit, lit),
+            np.array([_powers(e.variance_dn2[counted]) for e in (few.first, few.second)]),
         )
 
     parts = zip(*in_parts(pair.n_pixels, sums), strict=True)
-    values, covariance, scatter, signal, square = (sum(each) for each in parts)
+    values, covariance, scatter, signal, square, powers = (sum(each) for each in parts)
+    own = _own_share(pair, common, powers)
+    scatter = scatter * own
     dispersion = _dispersion(pair, scatter, series)
     for a, moments in enumerate((pair.first, pair.second)):
-        _add_variances(covariance[a], common, a, square, dispersion[a])
+        _add_variances(covariance[a], common, a, square, dispersion[a] * own[a])
         _add_means(covariance[a], common, a, signal, moments.n_frames)
     return PooledMoments(values, covariance, dispersion, common)
 
@@ -93,6 +96,26 @@ def _without(common: CommonMode, pair: ExposurePair, signal_dn: Pixels) -> Expos
         for a, e in enumerate((pair.first, pair.second))
     )
     return replace(pair, first=first, second=second)
+
+
+def _powers(variance: Pixels) -> tuple[float, float]:
+    """Return Σv and Σv²."""
+    return float(np.sum(variance)), float(np.einsum("i,i", variance, variance))
+
+
+def _own_share(
+    pair: ExposurePair, common: CommonMode, powers: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return which share of Σv² is that of the pixels' own noise, by exposure.
+
+    A pixel's noise meets the common one by chance: beside v² there is 4xv/ν, which cancels in the
+    sum over the pixels, and is no error of it, but does not in the sum of squares.
+    """
+    x = np.maximum(common.excess_dn2, 0.0)
+    free = np.array([pair.first.n_free, pair.second.n_free])
+    one, two = powers.T
+    crossed = 4.0 * x * one / (free * np.maximum(two, 1e-300))
+    return np.asarray(np.maximum(1.0 - crossed, 0.1))
 
 
 def _values(moments: ExposureMoments, w: NDArray[np.float64]) -> NDArray[np.float64]:
