@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from calib.radiometric.coefficients.budget import Budget, BudgetRow
+from calib.budget import Budget, BudgetRow
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.coefficients.provenance import Domain, Provenance
 from calib.recording.header import CameraHeader

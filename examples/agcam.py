@@ -18,11 +18,12 @@ from calib.forward.model import Model
 from calib.radiometric.calibrate import calibrate
 from calib.radiometric.calibration import Calibration
 from calib.radiometric.correction.apply import Correction
-from calib.radiometric.report import columns, correction, response, style
+from calib.radiometric.report import columns, correction, response
 from calib.radiometric.uniformity import Uniformity, uniformity
 from calib.recording.block_statistics import BlockStatistics
 from calib.recording.protocol import Recording
 from calib.recording.statistics import column_statistics
+from calib.report import style
 from service.cli.simulated_recording import simulate_recording
 from service.plan.model import Plan
 

@@ -18,10 +18,10 @@ from calib.forward.effects.dark_current import DarkCurrent
 from calib.forward.effects.illumination import Illumination
 from calib.forward.model import Model
 from calib.forward.simulate import simulate
-from calib.radiometric.report.style import house_style
 from calib.recording.header import Block, RecordingHeader
 from calib.recording.open import open_recording
 from calib.recording.writer import RecordingWriter
+from calib.report.style import house_style
 from calib.transfer.emva1288.data_sheet import data_sheet
 from calib.transfer.emva1288.report.page import figures, write_page
 from calib.transfer.emva1288.report.words import rounded

@@ -23,10 +23,10 @@ from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.correction.apply import Correction
 from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
 from calib.radiometric.landscape import Landscape
-from calib.radiometric.report.style import BLUE, GREY, INK, ORANGE, house_style, new_figure
 from calib.recording.header import Block, RecordingHeader
 from calib.recording.open import open_recording
 from calib.recording.writer import RecordingWriter
+from calib.report.style import BLUE, GREY, INK, ORANGE, house_style, new_figure
 
 UNIT = "radiance (W m⁻² sr⁻¹)"
 LINES_PER_BLOCK, N_LINES, SKY_LINE = 300, 1500, 60

@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 from calib.forward.effects.illumination import Illumination
 from calib.forward.model import Model
 from calib.kernels.noise import draw_codes
-from calib.radiometric.report import style
 from calib.recording.file_recording import FileRecording
+from calib.report import style
 from calib.transfer.estimate import Estimate
 from calib.transfer.source_radiometry.diverging_source import photons_through_aperture
 from calib.transfer.source_radiometry.photons_from_electrons import photons_from_electrons

@@ -20,8 +20,8 @@ from astropy.io import fits
 from matplotlib.figure import Figure
 
 from calib.arrays import RawLines
-from calib.radiometric.report.style import BLUE, ORANGE, house_style, new_figure
 from calib.recording.folder_recording import FolderRecording
+from calib.report.style import BLUE, ORANGE, house_style, new_figure
 from calib.transfer.photon_transfer.curve_fit import fit_curve
 from calib.transfer.photon_transfer.figures import covariances, transfer_curve
 from calib.transfer.photon_transfer.means import means_of

@@ -19,12 +19,12 @@ from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
 
 from calib.radiometric.report.spectral import draw_response, draw_shifts
-from calib.radiometric.report.style import GREY, ORANGE, house_style, new_figure
 from calib.radiometric.spectral.band_radiance import band_radiance
 from calib.radiometric.spectral.band_radiance_spectra import LampSpectra
 from calib.radiometric.spectral.spectral_response import SpectralResponse
 from calib.radiometric.spectral.spectral_response_angles import angular_variation
 from calib.radiometric.spectral.spectral_response_scan import SpectralScan
+from calib.report.style import GREY, ORANGE, house_style, new_figure
 
 ANGLES_DEG = (-4.0, -2.0, 0.0, 2.0, 4.0)
 WAVELENGTH_NM = np.arange(741.0, 931.0, 3.0)

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from calib.kernels.pixel_moments import PixelAccumulator
-from calib.radiometric.report import style
+from calib.report import style
 from calib.transfer.two_exposures.exposure_pair import ExposureMoments, ExposurePair
 from calib.transfer.two_exposures.pixel_maps import PixelMaps
 from calib.transfer.two_exposures.s3nuc import s3nuc

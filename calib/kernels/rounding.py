@@ -1,6 +1,6 @@
 """The harmonics that rounding to whole codes adds to a normal signal's moments, cell by cell.
 
-`calib.radiometric.estimation.rounding` has the formulas. Sine, cosine and exponential are
+`calib.rounding` has the formulas. Sine, cosine and exponential are
 polynomials here, so that the loops over cells become vector instructions; calls of the C library
 take ten times as long.
 With q the first harmonic's damping exp(-2π²σ²), the k-th one's is q^(k²), by recurrence.

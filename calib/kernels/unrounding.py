@@ -1,6 +1,6 @@
 """Undoing what rounding to whole codes does to a noisy signal's mean, cell by cell.
 
-`calib.radiometric.estimation.rounding` has the formulas. From 0.25 DN of noise up the mean behind
+`calib.rounding` has the formulas. From 0.25 DN of noise up the mean behind
 a mean code is found by Newton's method; below, the code hardly moves with the mean.
 """
 

@@ -26,7 +26,7 @@ def check_figure(path: Path | None) -> None:
 
 def write_figure(path: Path, draw: Callable[[], "Figure"]) -> None:
     """Draw in the house's style and write to `path`, whole or not at all."""
-    from calib.radiometric.report.style import house_style  # noqa: PLC0415  (matplotlib is slow)
+    from calib.report.style import house_style  # noqa: PLC0415  (matplotlib is slow)
 
     made = io.BytesIO()
     with house_style():

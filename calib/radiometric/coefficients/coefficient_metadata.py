@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any, Protocol
 
-from calib.radiometric.coefficients.budget import Budget, BudgetRow
+from calib.budget import Budget, BudgetRow
 from calib.radiometric.coefficients.column_state import ColumnState
 from calib.radiometric.coefficients.provenance import Domain, Provenance
 from calib.recording.header import CameraHeader

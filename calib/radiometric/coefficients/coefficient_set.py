@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.arrays import Columns
+from calib.budget import Budget
 from calib.errors import InputError
-from calib.radiometric.coefficients import content_addressed
-from calib.radiometric.coefficients.budget import Budget
 from calib.radiometric.coefficients.coefficient_metadata import from_metadata, to_metadata
 from calib.radiometric.coefficients.column_state import ColumnState
 from calib.radiometric.coefficients.provenance import Domain, Provenance
+from calib.recording import content_addressed
 from calib.recording.header import CameraHeader
 
 

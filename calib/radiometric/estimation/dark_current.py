@@ -15,8 +15,8 @@ from calib.arrays import Columns
 from calib.kernels.column_fit import fit_lines
 from calib.radiometric.estimation.block_table import BlockTable, Cells
 from calib.radiometric.estimation.noise_model import NoiseModel
-from calib.radiometric.estimation.rounding import unrounded_mean
 from calib.radiometric.estimation.selection import within_range
+from calib.rounding import unrounded_mean
 
 CURRENT_SIGMA = 5.0
 

@@ -24,12 +24,12 @@ from calib.radiometric.estimation.first_levels import first_levels, first_weight
 from calib.radiometric.estimation.joint_fit import JointFit, fit_jointly
 from calib.radiometric.estimation.noise_model import NoiseModel, fit_noise_model
 from calib.radiometric.estimation.radiance_table import LevelGroups
-from calib.radiometric.estimation.rounding import (
+from calib.radiometric.estimation.selection import collapsed, within_range
+from calib.rounding import (
     NEGLIGIBLE_SIGMA_DN,
     typical_variance,
     unrounded_mean,
 )
-from calib.radiometric.estimation.selection import collapsed, within_range
 
 ROUNDS = 4
 NEAR_SHARE = 1e-3

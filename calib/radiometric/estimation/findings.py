@@ -8,9 +8,9 @@ from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.coefficients.column_state import ColumnState
 from calib.radiometric.estimation.dark_comparison import DarkComparison
 from calib.radiometric.estimation.parts import Parts
-from calib.radiometric.estimation.rounding import INVERTIBLE_SIGMA_DN, NEGLIGIBLE_SIGMA_DN
 from calib.radiometric.estimation.scale import RadianceScale
 from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
+from calib.rounding import INVERTIBLE_SIGMA_DN, NEGLIGIBLE_SIGMA_DN
 
 DIFFERENT_SIGMA = 4.0
 UNREST_SIGMA = 5.0

@@ -18,7 +18,7 @@ from calib.arrays import Columns
 from calib.errors import NotDeterminedError
 from calib.kernels.noise_sums import NoiseSums, noise_sums
 from calib.radiometric.estimation.block_table import Cells, Mask
-from calib.radiometric.estimation.rounding import INVERTIBLE_SIGMA_DN, NEGLIGIBLE_SIGMA_DN
+from calib.rounding import INVERTIBLE_SIGMA_DN, NEGLIGIBLE_SIGMA_DN
 
 STEPS = 20
 SETTLED_SHARE = 1e-4

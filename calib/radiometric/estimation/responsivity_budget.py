@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from calib.arrays import Columns
-from calib.radiometric.coefficients.budget import Budget, BudgetRow
+from calib.budget import Budget, BudgetRow
 from calib.radiometric.estimation.assemble import LineVariances
 from calib.radiometric.estimation.normalised_profile import Vignette
 from calib.radiometric.estimation.scale import RadianceScale

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from calib.arrays import Columns
 from calib.radiometric.calibration import Calibration
-from calib.radiometric.report.style import BLUE, GREY, INK, ORANGE, new_figure
+from calib.report.style import BLUE, GREY, INK, ORANGE, new_figure
 
 
 def dark_offset(calibration: Calibration) -> Figure:

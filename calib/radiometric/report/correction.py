@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from calib.arrays import RawLines
 from calib.radiometric.correction.apply import Correction
-from calib.radiometric.report.style import BLUE, GREY, ORANGE, new_figure
+from calib.report.style import BLUE, GREY, ORANGE, new_figure
 
 LINES_SHOWN = 200
 

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
-from calib.radiometric.report.style import BLUE, ORANGE, new_figure
 from calib.recording.block_statistics import BlockStatistics
+from calib.report.style import BLUE, ORANGE, new_figure
 
 ROUNDING_DN2 = 1.0 / 12.0
 CLASSES = 160

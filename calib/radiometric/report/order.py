@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from calib.radiometric.estimation.order_choice import OrderChoice
-from calib.radiometric.report.style import BLUE, GREY, new_figure
+from calib.report.style import BLUE, GREY, new_figure
 
 
 def order_choice(choice: OrderChoice) -> Figure:

@@ -19,13 +19,13 @@ from calib.radiometric.report import (
     order,
     residuals,
     response,
-    style,
     words,
 )
 from calib.radiometric.uniformity import nearest_to_half_scale
 from calib.recording.block_statistics import RecordingStatistics
 from calib.recording.durable import write_whole
 from calib.recording.protocol import Recording
+from calib.report import camera_words, style
 
 CAPTIONS = {
     "before-and-after": "Masked columns are left blank, never filled in.",
@@ -72,8 +72,8 @@ def write_report(
     with style.house_style():
         sections = tuple(_sections(recording, calibration, statistics))
     text = _template().render(
-        title=f"Calibration of {words.camera_name(recording.header.camera)}",
-        camera=words.camera_line(recording.header.camera),
+        title=f"Calibration of {camera_words.camera_name(recording.header.camera)}",
+        camera=camera_words.camera_line(recording.header.camera),
         source=words.source_line(recording.header),
         lead=words.lead(calibration),
         warnings=calibration.warnings,

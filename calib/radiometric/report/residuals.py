@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 
 from calib.arrays import Columns
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
-from calib.radiometric.report.style import new_figure
 from calib.recording.block_statistics import BlockStatistics
+from calib.report.style import new_figure
 
 CELLS_ACROSS = 512
 

@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 
 from calib.radiometric.calibration import Calibration
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
-from calib.radiometric.report.style import BLUE, CYCLE, GREY, INK, new_figure
 from calib.recording.block_statistics import BlockStatistics
+from calib.report.style import BLUE, CYCLE, GREY, INK, new_figure
 
 
 def linearity(found: CoefficientSet, blocks: Sequence[BlockStatistics]) -> Figure:

@@ -6,10 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from calib.errors import NotDeterminedError
-from calib.radiometric.report.style import BLUE, GREY, new_figure
 from calib.radiometric.spectral.spectral_response import SpectralResponse
 from calib.radiometric.spectral.spectral_response_angles import AngleComparison, angular_variation
 from calib.radiometric.spectral.spectral_response_scan import SpectralScan
+from calib.report.style import BLUE, GREY, new_figure
 
 
 def spectral_response(scan: SpectralScan, angle_deg: float = 0.0) -> Figure:

@@ -2,21 +2,9 @@
 
 from calib.radiometric.calibration import Calibration
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
-from calib.recording.header import CameraHeader, RecordingHeader
+from calib.recording.header import RecordingHeader
 
 Rows = tuple[tuple[str, str], ...]
-
-
-def camera_name(camera: CameraHeader) -> str:
-    """Return model, serial number and band, as far as they are known."""
-    parts = (camera.model, camera.serial, camera.band)
-    return " ".join(part for part in parts if part) or "an unnamed camera"
-
-
-def camera_line(camera: CameraHeader) -> str:
-    """Return how the camera was set."""
-    taps = f"{camera.taps} taps ({camera.tap_layout})" if camera.taps > 1 else "1 tap"
-    return f"{camera.columns} columns, {camera.bit_depth} bits, {taps}, gain {camera.gain_db:g} dB"
 
 
 def source_line(header: RecordingHeader) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.arrays import Columns
-from calib.forward.taps import tap_of_pixel
+from calib.forward.taps import taps_of_camera
 from calib.kernels.difference_sums import Lag, TapRuns
 from calib.recording.header import Block, CameraHeader
 
@@ -134,10 +134,3 @@ def _bands(rows: int) -> tuple[int, ...]:
     upper = np.linspace(0, middle, each + 1).round().astype(int)
     lower = np.linspace(middle, rows, each + 1).round().astype(int)
     return tuple(int(k) for k in np.unique(np.concatenate([upper, lower])))
-
-
-def taps_of_camera(camera: CameraHeader) -> NDArray[np.intp]:
-    """Return the tap of every pixel, row by row."""
-    shape = camera.columns if camera.rows is None else (camera.rows, camera.columns)
-    layout = "single" if camera.taps == 1 else camera.tap_layout
-    return tap_of_pixel(layout, shape).ravel()

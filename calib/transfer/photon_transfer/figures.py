@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from calib.arrays import Columns
 from calib.kernels.difference_sums import Lag
-from calib.radiometric.report.style import BLUE, CYCLE, GREEN, GREY, ORANGE, new_figure
+from calib.report.style import BLUE, CYCLE, GREEN, GREY, ORANGE, new_figure
 from calib.transfer.photon_transfer.curve_fit import CurveFit, Model
 from calib.transfer.photon_transfer.tap_transfer import TapTransfer
 from calib.transfer.photon_transfer.variance_curve import ROUNDING_DN2

@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from calib.arrays import Columns
 from calib.errors import NotDeterminedError
+from calib.forward.taps import taps_of_camera
 from calib.recording.block_statistics import BlockStatistics
 from calib.recording.header import Block, CameraHeader, RecordingHeader
 from calib.recording.statistics_csv import StatisticsRow
-from calib.transfer.photon_transfer.cells import BlockCells, CellLayout, taps_of_camera
+from calib.transfer.photon_transfer.cells import BlockCells, CellLayout
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ def from_column_statistics(
     """
     chosen = [s for s in statistics if s.block.kind != "scene" and s.n_lines > 0]
     n_cells = camera.columns * (camera.rows or 1)
-    tap = taps_of_camera(camera)
+    tap = taps_of_camera(camera).ravel()
     blocks = tuple(
         _block(
             s.block,

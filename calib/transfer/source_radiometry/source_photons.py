@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
+from calib.budget import Budget, BudgetRow
 from calib.errors import InputError
-from calib.radiometric.coefficients.budget import Budget, BudgetRow
 from calib.transfer.estimate import Estimate
 from calib.transfer.source_radiometry.diverging_source import (
     DivergingSource,

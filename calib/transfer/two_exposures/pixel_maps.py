@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.kernels.pixel_sums import Pixels
-from calib.radiometric.coefficients import content_addressed
+from calib.recording import content_addressed
 from calib.transfer.two_exposures.exposure_pair import ExposurePair
 from calib.transfer.two_exposures.in_parts import in_parts
 from calib.transfer.two_exposures.pixel_state import PixelState

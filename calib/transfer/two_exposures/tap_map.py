@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.forward.taps import tap_of_column
+from calib.forward.taps import taps_of_camera
 from calib.recording.header import CameraHeader
 
 
@@ -19,11 +19,4 @@ def tap_of_pixel(camera: CameraHeader) -> NDArray[np.uint8]:
     >>> tap_of_pixel(camera)
     array([0, 0, 1, 1, 2, 2, 3, 3], dtype=uint8)
     """
-    shape = image_shape(camera)
-    if camera.tap_layout != "quadrants":
-        along = tap_of_column(camera.tap_layout, camera.columns)
-        return np.broadcast_to(along, shape).astype(np.uint8).ravel()
-    rows, columns = camera.rows or 1, camera.columns
-    lower = np.arange(rows)[:, None] * 2 // rows
-    right = np.arange(columns)[None, :] * 2 // columns
-    return (2 * lower + right).astype(np.uint8).ravel()
+    return taps_of_camera(camera).astype(np.uint8).ravel()

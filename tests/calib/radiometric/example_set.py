@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from calib.radiometric.coefficients.budget import Budget, BudgetRow
+from calib.budget import Budget, BudgetRow
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.coefficients.column_state import ColumnState
 from calib.radiometric.coefficients.provenance import Domain, Provenance

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from calib.radiometric.estimation.rounding import (
+from calib.rounding import (
     INVERTIBLE_SIGMA_DN,
     mean_square_bias,
     rounded_moments,

@@ -9,8 +9,8 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from calib.radiometric.report.style import as_svg, house_style
-from calib.radiometric.report.words import camera_name
+from calib.report.camera_words import camera_name
+from calib.report.style import as_svg, house_style
 from calib.transfer.emva1288.machine_readable import write_text
 from calib.transfer.emva1288.report import spatial, temporal, words
 from calib.transfer.emva1288.sheet import METHOD, DataSheet

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from calib.radiometric.report.style import BLUE, GREY, INK, ORANGE, new_figure
+from calib.report.style import BLUE, GREY, INK, ORANGE, new_figure
 from calib.transfer.emva1288.defects import Histogram
 from calib.transfer.emva1288.sheet import DataSheet
 from calib.transfer.emva1288.spatial_curves import ImageCurves, Profile, Spectrogram

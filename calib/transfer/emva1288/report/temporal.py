@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from calib.radiometric.report.style import BLUE, CYCLE, GREEN, GREY, INK, ORANGE, new_figure
+from calib.report.style import BLUE, CYCLE, GREEN, GREY, INK, ORANGE, new_figure
 from calib.transfer.emva1288.fits import LINEARITY_RANGE
 from calib.transfer.emva1288.report.words import rounded
 from calib.transfer.emva1288.sheet import DataSheet

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from calib.radiometric.report.words import camera_line
+from calib.report.camera_words import camera_line
 from calib.transfer.emva1288.catalogue import CATALOGUE, Figure
 from calib.transfer.emva1288.sheet import DataSheet
 from calib.transfer.estimate import Estimate

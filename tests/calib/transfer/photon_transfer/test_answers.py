@@ -9,11 +9,11 @@ import pytest
 
 from calib.arrays import RawLines
 from calib.errors import NotDeterminedError
-from calib.radiometric.report.style import as_svg, house_style
 from calib.recording.block_statistics import BlockStatistics, RecordingStatistics
 from calib.recording.folder_recording import FolderRecording
 from calib.recording.header import Block, CameraHeader, RecordingHeader
 from calib.recording.statistics import column_statistics
+from calib.report.style import as_svg, house_style
 from calib.transfer.photon_transfer.figures import covariances, transfer_curve
 from calib.transfer.photon_transfer.measure import gain_and_noise, photon_transfer
 from tests.calib.transfer.photon_transfer.simulated import GAIN, READ_DN, Held, recording

@@ -1,0 +1,1 @@
+"""What reports share: the look of figures, and words for a camera."""
