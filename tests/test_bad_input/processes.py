@@ -14,6 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from service.cli.app import app
+from tests.service.cli.answers import without_progress
 
 DARKFLAT = Path(sys.executable).with_name("darkflat")
 
@@ -48,6 +49,7 @@ def darkflat(
         for name, value in _places(folder).items():
             patch.setenv(name, value)
         patch.setattr(tempfile, "tempdir", None)
+        without_progress(patch)
         with within or nullcontext():
             ran = CliRunner().invoke(app, words)
     return subprocess.CompletedProcess(words, ran.exit_code, ran.stdout, ran.stderr)

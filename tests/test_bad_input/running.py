@@ -12,6 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from service.cli.app import app
+from tests.service.cli.answers import without_progress
 from tests.test_bad_input.case import Case
 
 Tree = dict[str, bytes | None]
@@ -60,6 +61,7 @@ def run(case: Case, sound: Path, folder: Path) -> Refused:
             patch.setenv(variable, str(folder / name))
         patch.setattr(tempfile, "tempdir", None)
         patch.delenv("DARKFLAT_BENCH", raising=False)
+        without_progress(patch)
         before = tree(folder)
         with chdir(work):
             ran = CliRunner().invoke(app, [*case.arguments, "--json", "-"])

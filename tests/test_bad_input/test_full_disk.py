@@ -6,6 +6,7 @@ one, a small file system that is really full is taken as well.
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -97,8 +98,11 @@ def test_a_file_system_without_room_is_one_sentence_and_stays_empty(
         env={**os.environ, "DARKFLAT_HOME": str(work)},
     )
     assert (work / "told").read_text() == "1\n"
-    assert json.loads(ran.stdout)["error"]["code"] == "disk-full"
-    assert len(ran.stderr.splitlines()) == 1
+    error = json.loads(ran.stdout)["error"]
+    assert error["code"] == "disk-full"
+    *progress, said = ran.stderr.splitlines()
+    assert said == f"darkflat: {error['message']}"
+    assert all(re.match(r"[A-Z]\w+: \d+%; ", line) for line in progress)  # of a busy machine
 
 
 @pytest.mark.parametrize(

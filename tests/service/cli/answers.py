@@ -2,7 +2,15 @@
 
 import json
 from dataclasses import dataclass
+from math import inf
 from typing import Any
+
+import pytest
+
+
+def without_progress(patch: pytest.MonkeyPatch) -> None:
+    """Print no line now and then of how far a command is: how many come depends on the machine."""
+    patch.setattr("service.cli.progress._LINE_EVERY_S", inf)
 
 
 @dataclass(frozen=True)

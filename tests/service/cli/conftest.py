@@ -6,7 +6,7 @@ from typer.testing import CliRunner
 
 from service.cli.app import app
 from tests.service.cli.a_recording import plan_file, recording_file
-from tests.service.cli.answers import Ran
+from tests.service.cli.answers import Ran, without_progress
 
 __all__ = ["plan_file", "recording_file"]
 
@@ -20,8 +20,9 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def run(home: Path) -> Callable[..., Ran]:
+def run(home: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Ran]:
     """Run `darkflat` with these arguments, in this process."""
+    without_progress(monkeypatch)
 
     def in_process(*arguments: object) -> Ran:
         ran = CliRunner().invoke(app, [str(each) for each in arguments])
