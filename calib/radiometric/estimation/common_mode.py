@@ -8,10 +8,9 @@ block by block, and it enters DN0 and slope of all columns with one sign. With t
 
 a is taken from the scatter of the capped darks, η from what is left over in the flats, with the
 degrees of freedom that the fit left: B blocks less offset, slope and G − 1 levels. As these are
-few, the variance is multiplied by ν/(ν − 2), the variance of Student's t for ν > 2, so that the
-stated standard uncertainty is the standard deviation of what happens.
+few, the variance is widened (`excess`).
 
-Source: JCGM 100:2008, 4.3 and 5.2 (correlated inputs); JCGM 101:2008, 6.4.9 (Student's t).
+Source: JCGM 100:2008, 4.3 and 5.2 (correlated inputs).
 """
 
 from dataclasses import dataclass
@@ -20,6 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.arrays import Columns
+from calib.radiometric.estimation.common_offset import CommonOffset, common_offset
+from calib.radiometric.estimation.excess import Excess, excess, free_of, variance_factor
 from calib.radiometric.estimation.joint_fit import JointFit
 
 
@@ -38,7 +39,8 @@ class CommonMode:
         by_source: Covariance of (DN0, s, r of all groups in use but the reference), DN, DN/µs, 1,
             from the source's unrest, which scales with the column's slope, and from the columns'
             own noise, averaged over them: what it does to the levels comes back to all columns.
-        by_offset: The same from the common offset, which is one for all columns.
+        offset: What comes from the common offset, and from the error of the mean dark current
+            that was taken off, which are as many DN in all columns.
         groups: The group of each r in `covariance`.
     """
 
@@ -49,18 +51,18 @@ class CommonMode:
     freedom: int
     mean_slope: float
     by_source: NDArray[np.float64]
-    by_offset: NDArray[np.float64]
+    offset: CommonOffset
     groups: tuple[int, ...]
 
     @property
     def covariance(self) -> NDArray[np.float64]:
         """Both together, for a column of the mean slope."""
-        return np.asarray(self.by_source + self.by_offset)
+        return np.asarray(self.by_source + self.offset.of_mean_column)
 
     def offset_variance(self, slope: Columns) -> Columns:
         """Return the variance of DN0 for columns of these slopes (DN/µs), DN²."""
-        by_source = (slope / self.mean_slope) ** 2 * self.by_source[0, 0]
-        return np.asarray(by_source + self.by_offset[0, 0])
+        share = slope / self.mean_slope
+        return np.asarray(share**2 * self.by_source[0, 0] + self.offset.offset_variance(slope))
 
 
 def common_mode(
@@ -89,20 +91,19 @@ def common_mode(
     freedom = len(used) - design.shape[1]
     signal = slope * fit.x_us[used]
     own = _own_variance(fit, slope)[used]
-    other = np.diag(offset_noise_dn**2 + own)
-    other += current_std_dn_per_us**2 * np.outer(exposure_us[used], exposure_us[used])
-    unrest2, sigma = _unrest(residual, signal, design @ estimator, other, freedom)
-    few = freedom / (freedom - 2.0) if freedom > 2 else 1.0
-    error = few * np.nan_to_num(unrest2) * signal**2 + own
+    alike = offset_noise_dn**2 * np.eye(len(used))
+    alike += current_std_dn_per_us**2 * np.outer(exposure_us[used], exposure_us[used])
+    seen = _unrest(residual, signal, design, alike + np.diag(own)) if freedom > 0 else None
+    error = own + (variance_factor(freedom) * seen.variance * signal**2 if seen else 0.0)
     return CommonMode(
-        source_unrest=float(np.sqrt(unrest2)),
-        unrest_sigma=sigma,
+        source_unrest=float(np.sqrt(seen.variance)) if seen else float("nan"),
+        unrest_sigma=seen.sigma if seen else float("nan"),
         offset_noise_dn=offset_noise_dn,
         block_variance_dn2=offset_noise_dn**2 + own,
         freedom=freedom,
         mean_slope=slope,
         by_source=(estimator * error) @ estimator.T,
-        by_offset=offset_noise_dn**2 * estimator @ estimator.T,
+        offset=CommonOffset(common_offset(design, weight, estimator, alike), slope),
         groups=blocks.others,
     )
 
@@ -150,26 +151,10 @@ def _own_variance(fit: JointFit, mean_slope: float) -> Columns:
 def _unrest(
     residual: Columns,
     signal: Columns,
-    hat: NDArray[np.float64],
+    design: NDArray[np.float64],
     other: NDArray[np.float64],
-    freedom: int,
-) -> tuple[float, float]:
-    """Return η² and its significance.
-
-    η² is the residuals' relative sum of squares over its expectation for η = 1, after what the
-    common offset, the dark current and the columns' own noise (`other`, a covariance in DN²) bring
-    into the sum is taken off. The sum is a weighted one of squared normal numbers: the chi-squared
-    of the same mean and variance (Satterthwaite 1946), and its cube root as a normal number
-    (Wilson and Hilferty 1931), tell how unlikely it is without unrest.
-    """
-    if freedom < 1:
-        return float("nan"), float("nan")
-    relative = (np.eye(len(residual)) - hat) / np.maximum(signal, 1e-3 * signal.max())[:, None]
-    found = float(((residual / np.maximum(signal, 1e-3 * signal.max())) ** 2).sum())
-    still = relative @ other @ relative.T
-    by_other, spread = float(np.trace(still)), float((still**2).sum())
-    unrest2 = max(found - by_other, 0.0) / max(float((relative**2 @ signal**2).sum()), 1e-30)
-    if by_other <= 0:
-        return unrest2, float("nan")
-    width = 2.0 * spread / (9.0 * by_other**2)
-    return unrest2, float((np.cbrt(found / by_other) - (1.0 - width)) / np.sqrt(width))
+) -> Excess:
+    """Return η² and how sure it is, beyond what is known to move the blocks (`other`, DN²)."""
+    contrasts = free_of(design)
+    moved = contrasts * np.maximum(signal, 1e-3 * signal.max())
+    return excess(contrasts @ residual, contrasts @ other @ contrasts.T, moved @ moved.T)

@@ -13,6 +13,9 @@ Burnham and Augustin 1997): without it an order that is too low by chance would 
 A source that is uniform only to ±h lends its shape to VE. The deviation from the radiance at the
 axis is taken to grow in proportion to the distance from it, up to ±h (rectangular, h/√3) at the
 end of the line that is farther away.
+
+An error σ of all slopes alike (`common_offset`, DN/µs) is a constant in p, which every order takes
+up: VE is off by σ·(1/p(i) − 1/p(i0)), relative.
 """
 
 from dataclasses import dataclass
@@ -33,6 +36,8 @@ class Vignette:
         values: VE, 1 at the axis.
         relative_std: From PRNU's scatter, noise and normalisation.
         uniformity_relative_std: From the source's shape, type B.
+        offset_relative_std: From what shifts all slopes alike.
+        axis_slope: p(i0), DN per µs of reference light.
         axis_column: 0-based, fractional.
         axis_column_std: None where the profile has no maximum inside the line.
         own_noise_share: What of a column's own relative slope error is found again in its VE.
@@ -41,6 +46,8 @@ class Vignette:
     values: Columns
     relative_std: Columns
     uniformity_relative_std: Columns
+    offset_relative_std: Columns
+    axis_slope: float
     axis_column: float
     axis_column_std: float | None
     own_noise_share: Columns
@@ -48,16 +55,20 @@ class Vignette:
     @property
     def std(self) -> Columns:
         """Standard uncertainty of `values`."""
-        return self.values * np.hypot(self.relative_std, self.uniformity_relative_std)
+        shape = np.hypot(self.uniformity_relative_std, self.offset_relative_std)
+        return self.values * np.hypot(self.relative_std, shape)
 
 
-def normalise(fit: ProfileFit, slope_variance: Columns, uniformity: float) -> Vignette:
+def normalise(
+    fit: ProfileFit, slope_variance: Columns, uniformity: float, common_slope_std: float = 0.0
+) -> Vignette:
     """Divide the profile by its maximum.
 
     Args:
         fit: The profile.
         slope_variance: Of the columns' slopes, (n_columns,).
         uniformity: h, the source's relative half-width.
+        common_slope_std: σ, DN/µs.
     """
     columns = np.arange(len(slope_variance), dtype=np.float64)
     legend = np.asarray(
@@ -86,6 +97,8 @@ def normalise(fit: ProfileFit, slope_variance: Columns, uniformity: float) -> Vi
         values=profile / at_axis,
         relative_std=np.sqrt(np.maximum(variance, 0.0) + 3.0 * too_high**2),
         uniformity_relative_std=uniformity / np.sqrt(3.0) * np.abs(columns - axis) / farthest,
+        offset_relative_std=common_slope_std * np.abs(1.0 / profile - 1.0 / at_axis),
+        axis_slope=float(at_axis),
         axis_column=axis,
         axis_column_std=axis_std,
         own_noise_share=share,

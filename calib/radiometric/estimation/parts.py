@@ -64,7 +64,12 @@ def find_parts(
     profile = fit_profile(
         fit.slope, variances.slope, tap_contrasts(taps_of_camera(header.camera)), choices.order
     )
-    vignette = normalise(profile, variances.slope, source.nonuniformity_relative or 0.0)
+    vignette = normalise(
+        profile,
+        variances.slope,
+        source.nonuniformity_relative or 0.0,
+        shared.offset.slope_std,
+    )
     if choices.relative:
         unit = np.where(fit.relative_level == 1.0, 1.0, np.nan)
         groups = replace(groups, radiance=unit)
@@ -101,10 +106,13 @@ def _variances(estimate: LineEstimate, flats: BlockTable, shared: CommonMode) ->
 
     A misfit that columns do not share (a reduced chi-squared above 1) is taken for noise that the
     model lacks (Birge 1932). One factor for all columns: a column's own chi-squared has too few
-    degrees of freedom to say more.
+    degrees of freedom to say more. Noise that a line's columns share is in the temporal variances
+    as well, but columns do not have it on their own: by so much chi-squared may fall below 1.
     """
-    lines = estimate.fit.lines
-    inflate = max(1.0, own_misfit(estimate.fit, shared, flats.exposure_us, estimate.current))
+    fit, lines = estimate.fit, estimate.fit.lines
+    in_common = shared.offset_noise_dn**2 * float(fit.weights[fit.weights > 0].mean())
+    own = own_misfit(fit, shared, flats.exposure_us, estimate.current)
+    inflate = max(1.0 - min(in_common, 1.0), own)
     offset, slope, covariance = current_variances(estimate, flats.exposure_us)
     return LineVariances(
         inflate * lines.offset_variance + offset,

@@ -39,6 +39,10 @@ def responsivity_budget(
             1.0, "common", "what the columns' residuals share",
         ),
         BudgetRow(
+            "offsets common to a line", "A", "student-t", _by_offset(vignette, scale),
+            "1", 1.0, "common", "scatter of the capped darks, at the axis",
+        ),
+        BudgetRow(
             "radiance of single levels", kind, "normal", scale.by_levels, "1",
             1.0, "common", "stated" if kind == "B" else "scatter of the levels",
         ),
@@ -57,6 +61,12 @@ def responsivity_budget(
         ),
     ]  # fmt: skip
     return Budget("responsivity", "1", (*rows, *_computed(source)))
+
+
+def _by_offset(vignette: Vignette, scale: RadianceScale) -> float:
+    """Return what QE at the axis has of them: their part of the slope and of the scale."""
+    line = scale.by_offset.slope_relative_std(np.asarray(vignette.axis_slope))
+    return float(np.hypot(line, scale.by_offset.scale_std))
 
 
 def _computed(source: SourceUncertainty) -> Iterator[BudgetRow]:

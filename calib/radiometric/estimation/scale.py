@@ -14,6 +14,7 @@ import numpy as np
 from calib.arrays import Columns
 from calib.errors import NotDeterminedError
 from calib.radiometric.estimation.common_mode import CommonMode
+from calib.radiometric.estimation.common_offset import OffsetOnScale
 from calib.radiometric.estimation.radiance_table import LevelGroups
 
 
@@ -28,10 +29,11 @@ class RadianceScale:
         level_ratio_seen_std: The part of it that is the camera's: noise and the source's unrest.
         level_relative_std: What each level's radiance is uncertain by on its own.
         by_levels: Relative standard uncertainty of c from the levels' own errors.
-        by_source_unrest: Relative standard uncertainty of the slopes' scale, s/c, from what all
-            columns share.
-        offset_covariance_dn: Covariance of DN0 with ln(s/c) from the source's unrest and from
-            the common offset, for a column of the mean slope, DN.
+        by_source_unrest: Relative standard uncertainty of the slopes' scale, s/c, from the source's
+            unrest.
+        offset_covariance_dn: Covariance of DN0 with ln(s/c) from that, for a column of the mean
+            slope, DN.
+        by_offset: What offsets common to all columns do to s/c.
         scatter_sigma: How far the levels scatter beyond what is stated; NaN for one level.
     """
 
@@ -42,7 +44,8 @@ class RadianceScale:
     level_relative_std: float
     by_levels: float
     by_source_unrest: float
-    offset_covariance_dn: tuple[float, float]
+    offset_covariance_dn: float
+    by_offset: OffsetOnScale
     scatter_sigma: float
 
 
@@ -108,12 +111,10 @@ def radiance_scale(
         level_relative_std=excess,
         by_levels=float(excess * np.sqrt(widen * (share**2).sum())),
         by_source_unrest=float(
-            np.sqrt(slope_to_scale @ shared.covariance @ slope_to_scale + share**2 @ unrest2)
+            np.sqrt(slope_to_scale @ shared.by_source @ slope_to_scale + share**2 @ unrest2)
         ),
-        offset_covariance_dn=(
-            float(shared.by_source[0] @ slope_to_scale),
-            float(shared.by_offset[0] @ slope_to_scale),
-        ),
+        offset_covariance_dn=float(shared.by_source[0] @ slope_to_scale),
+        by_offset=shared.offset.on_scale(slope_to_scale[2:]),
         scatter_sigma=sigma,
     )
 

@@ -6,6 +6,7 @@ import pytest
 from calib.errors import InputError, NotDeterminedError
 from calib.radiometric.coefficients.provenance import Provenance
 from calib.radiometric.estimation.common_mode import CommonMode
+from calib.radiometric.estimation.common_offset import CommonOffset
 from calib.radiometric.estimation.from_statistics import determine
 from calib.radiometric.estimation.radiance_table import LevelGroups, group_levels
 from calib.radiometric.estimation.scale import radiance_scale
@@ -13,7 +14,15 @@ from calib.recording.header import Block
 from tests.calib.radiometric.simulated import Bench, draw
 
 QUIET = CommonMode(
-    0.0, 0.0, 0.0, np.zeros(0), 5, 1.0, np.zeros((5, 5)), np.zeros((5, 5)), (1, 2, 3)
+    source_unrest=0.0,
+    unrest_sigma=0.0,
+    offset_noise_dn=0.0,
+    block_variance_dn2=np.zeros(0),
+    freedom=5,
+    mean_slope=1.0,
+    by_source=np.zeros((5, 5)),
+    offset=CommonOffset(np.zeros((7, 7)), 1.0),
+    groups=(1, 2, 3),
 )
 RELATIVE = np.array([1.0, 2.0, 3.1, 3.9])
 
