@@ -75,7 +75,7 @@ def excess(
     eigenvalues, vectors = eigh(known, moved)
     eigenvalues = np.maximum(eigenvalues, 0.0)
     square = (vectors.T @ contrasts) ** 2
-    largest = float(square.sum()) / freedom
+    largest = (1.0 + 1e-9) * float(square.sum()) / freedom
 
     def chi_squared(tau2: float) -> float:
         total, some = eigenvalues + tau2, square > 0
@@ -91,7 +91,7 @@ def excess(
     lowest = 0.0 if np.isfinite(at_nothing) else 1e-12 * largest
     if chi_squared(lowest) <= freedom:
         return Excess(lowest, at_nothing, freedom)
-    found = brentq(lambda tau2: chi_squared(tau2) - freedom, lowest, largest, rtol=1e-10)
+    found = brentq(lambda tau2: chi_squared(tau2) - freedom, lowest, largest, xtol=1e-12 * largest)
     return Excess(float(found), at_nothing, freedom)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.coefficients.column_state import ColumnState
 from calib.radiometric.estimation.dark_comparison import DarkComparison
+from calib.radiometric.estimation.excess import variance_factor
 from calib.radiometric.estimation.parts import Parts
 from calib.radiometric.estimation.scale import RadianceScale
 from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
@@ -35,7 +36,7 @@ def set_findings(coefficients: CoefficientSet, relative: bool) -> Iterator[str]:
 
 def line_findings(parts: Parts) -> Iterator[str]:
     """Yield what the columns' lines give reason to say."""
-    estimate, shared = parts.estimate, parts.shared
+    estimate = parts.estimate
     chi2, freedom = parts.reduced_chi_squared, estimate.fit.freedom
     if freedom <= 0:
         yield (
@@ -48,7 +49,23 @@ def line_findings(parts: Parts) -> Iterator[str]:
             "response is not linear or the source was not steady. The report's residuals by block "
             "tell: what returns with the signal is the response, what goes with time the source."
         )
-    monitor = parts.monitor
+    yield from _unrest_findings(parts)
+    smallest = float(np.sqrt(estimate.noise.read_variance_dn2))
+    if smallest < INVERTIBLE_SIGMA_DN:
+        yield (
+            f"The noise in the dark is {smallest:.2f} DN: rounding does not average out, and "
+            "what is left of it is counted as uncertainty."
+        )
+    elif smallest < NEGLIGIBLE_SIGMA_DN / 2.4:
+        yield f"The noise in the dark is {smallest:.2f} DN: the bias of rounding was undone."
+    if estimate.current.seen:
+        mean = float(np.mean(estimate.current.dn_per_us))
+        yield f"The dark grows by {mean:.3g} DN per µs on average; this was taken off the flats."
+
+
+def _unrest_findings(parts: Parts) -> Iterator[str]:
+    """Yield what is known of the source's steadiness."""
+    monitor, shared = parts.monitor, parts.shared
     if monitor.used:
         yield (
             f"The monitor wandered by {100 * monitor.wander:.2g} % within levels, the camera saw "
@@ -63,19 +80,13 @@ def line_findings(parts: Parts) -> Iterator[str]:
         )
         if monitor.verdict == "not followed":
             yield "The monitor's readings do not follow this wandering and were not used."
-    if freedom > 0 and shared.freedom < 1:
+    if parts.estimate.fit.freedom > 0 and shared.freedom < 1:
         yield "Whether the source was steady from block to block is not tested: too few blocks."
-    smallest = float(np.sqrt(estimate.noise.read_variance_dn2))
-    if smallest < INVERTIBLE_SIGMA_DN:
+    elif shared.freedom in {1, 2}:
         yield (
-            f"The noise in the dark is {smallest:.2f} DN: rounding does not average out, and "
-            "what is left of it is counted as uncertainty."
+            f"Only {shared.freedom} more blocks than unknowns tell how steady the source was: what "
+            f"they tell is widened {_widened(shared.freedom)} times. Record more exposures."
         )
-    elif smallest < NEGLIGIBLE_SIGMA_DN / 2.4:
-        yield f"The noise in the dark is {smallest:.2f} DN: the bias of rounding was undone."
-    if estimate.current.seen:
-        mean = float(np.mean(estimate.current.dn_per_us))
-        yield f"The dark grows by {mean:.3g} DN per µs on average; this was taken off the flats."
 
 
 def dark_findings(darks: DarkComparison | None) -> Iterator[str]:
@@ -105,7 +116,10 @@ def source_findings(
             "The uncertainty of the source's certificate is not stated and taken as 0: state "
             "certificate_relative_std under [source]."
         )
+    yield from _not_stated(source, relative)
     stated = source.level_relative_std is not None
+    if not (stated or relative):
+        yield from _few_levels(scale)
     if stated and scale.scatter_sigma > DIFFERENT_SIGMA:
         yield (
             f"The levels' radiances disagree beyond what is stated ({scale.scatter_sigma:.1f} "
@@ -116,3 +130,32 @@ def source_findings(
             f"The levels' radiances scatter by {100 * scale.level_relative_std:.1f} % against "
             "what the camera sees: check the table of radiances and the linearity."
         )
+
+
+def _not_stated(source: SourceUncertainty, relative: bool) -> Iterator[str]:
+    """Yield what of the source's uncertainty nothing is known of, but for the certificate."""
+    names = ["nonuniformity_relative"] if relative else [
+        "nonuniformity_relative", "monitor_relative_std",
+    ]  # fmt: skip
+    missing = [name for name in names if getattr(source, name) is None]
+    if missing:
+        yield f"Not stated under [source] and taken as 0: {', '.join(missing)}."
+
+
+def _few_levels(scale: RadianceScale) -> Iterator[str]:
+    """Yield how little tells what a single level's radiance is worth, where that is not stated."""
+    if scale.freedom < 1:
+        yield (
+            "How far the radiance of a single level may be off is not stated and taken as 0, since "
+            "one level does not tell: state level_relative_std under [source]."
+        )
+    elif scale.freedom < 3:
+        yield (
+            f"Only {scale.freedom + 1} levels tell how far the radiance of a single one may be "
+            f"off: what they tell is widened {_widened(scale.freedom)} times. State "
+            "level_relative_std under [source], or record four levels."
+        )
+
+
+def _widened(freedom: int) -> str:
+    return f"{np.sqrt(variance_factor(freedom)):.2g}"

@@ -10,11 +10,13 @@ its own, stated or estimated from the scatter of the ratios (DerSimonian and Lai
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.arrays import Columns
 from calib.errors import NotDeterminedError
 from calib.radiometric.estimation.common_mode import CommonMode
 from calib.radiometric.estimation.common_offset import OffsetOnScale
+from calib.radiometric.estimation.excess import Excess, excess, free_of, variance_factor
 from calib.radiometric.estimation.radiance_table import LevelGroups
 
 
@@ -34,7 +36,9 @@ class RadianceScale:
         offset_covariance_dn: Covariance of DN0 with ln(s/c) from that, for a column of the mean
             slope, DN.
         by_offset: What offsets common to all columns do to s/c.
-        scatter_sigma: How far the levels scatter beyond what is stated; NaN for one level.
+        scatter_sigma: How far the levels scatter beyond what is stated, beyond the camera's part
+            where nothing is; NaN for one level.
+        freedom: How many levels of known radiance there are beyond the first.
     """
 
     radiance_of_reference: float
@@ -47,6 +51,7 @@ class RadianceScale:
     offset_covariance_dn: float
     by_offset: OffsetOnScale
     scatter_sigma: float
+    freedom: int
 
 
 def radiance_scale(
@@ -77,60 +82,60 @@ def radiance_scale(
         )
         raise NotDeterminedError(message, code="no-radiance")
     ratio = groups.radiance[known] / relative_level[known]
-    position = {g: 2 + k for k, g in enumerate(shared.groups)}
-    by_level = np.zeros((len(known), len(shared.covariance)))
-    for row, g in enumerate(known):
-        if int(g) in position:
-            by_level[row, position[int(g)]] = -1.0 / relative_level[g]
+    slope_of_level = _slope_of_levels(known, relative_level, shared)
     unrest2 = np.zeros(len(known)) if level_unrest is None else level_unrest[known] ** 2
-    variance = np.einsum("gi,ij,gj->g", by_level, shared.covariance, by_level) + unrest2
-    excess, sigma = _excess(np.log(ratio), variance, level_relative_std)
-    total = variance + excess**2
+    seen_covariance = slope_of_level @ shared.covariance @ slope_of_level.T + np.diag(unrest2)
+    own = _own_of_levels(np.log(ratio), seen_covariance, level_relative_std)
+    total = np.diag(seen_covariance) + own.variance
     share = 1.0 / total if (total > 0).all() else np.ones(len(known))
     share /= share.sum()
     scale = float(np.exp(share @ np.log(ratio)))
-    slope_to_scale = -share @ by_level
-    slope_to_scale[1] += 1.0 / shared.mean_slope
+    slope_to_scale = share @ slope_of_level
     level_ratio, level_ratio_std, seen_std = np.full((3, len(relative_level)), np.nan)
     level_ratio[known] = ratio / scale - 1.0
     about_mean = np.eye(len(known)) - share
-    seen = about_mean @ by_level
-    seen_std[known] = np.sqrt(
-        np.einsum("gi,ij,gj->g", seen, shared.covariance, seen) + about_mean**2 @ unrest2
+    seen_std[known] = np.sqrt(np.einsum("gi,ij,gj->g", about_mean, seen_covariance, about_mean))
+    level_ratio_std[known] = np.sqrt(
+        seen_std[known] ** 2 + own.variance * (about_mean**2).sum(axis=1)
     )
-    level_ratio_std[known] = np.hypot(
-        seen_std[known], excess * np.sqrt((about_mean**2).sum(axis=1))
-    )
-    few = len(known) - 1
-    widen = few / (few - 2.0) if level_relative_std is None and few > 2 else 1.0
+    widen = variance_factor(own.freedom) if level_relative_std is None else 1.0
     return RadianceScale(
         radiance_of_reference=scale,
         level_ratio=level_ratio,
         level_ratio_std=level_ratio_std,
         level_ratio_seen_std=seen_std,
-        level_relative_std=excess,
-        by_levels=float(excess * np.sqrt(widen * (share**2).sum())),
+        level_relative_std=float(np.sqrt(own.variance)),
+        by_levels=float(np.sqrt(widen * own.variance * (share**2).sum())),
         by_source_unrest=float(
             np.sqrt(slope_to_scale @ shared.by_source @ slope_to_scale + share**2 @ unrest2)
         ),
         offset_covariance_dn=float(shared.by_source[0] @ slope_to_scale),
         by_offset=shared.offset.on_scale(slope_to_scale[2:]),
-        scatter_sigma=sigma,
+        scatter_sigma=own.sigma if own.freedom else float("nan"),
+        freedom=own.freedom,
     )
 
 
-def _excess(log_ratio: Columns, variance: Columns, stated: float | None) -> tuple[float, float]:
-    """Return the levels' own standard uncertainty, and how unlikely their scatter is, in sigma."""
-    freedom = len(log_ratio) - 1
-    total = variance + (stated or 0.0) ** 2
-    if freedom < 1 or not (total > 0).all():
-        own = float(np.std(log_ratio, ddof=1)) if freedom >= 1 and stated is None else 0.0
-        return (stated if stated is not None else own), float("nan")
-    weight = 1.0 / total
-    mean = (weight * log_ratio).sum() / weight.sum()
-    chi2 = float((weight * (log_ratio - mean) ** 2).sum())
-    sigma = (chi2 - freedom) / np.sqrt(2.0 * freedom)
-    if stated is not None:
-        return stated, float(sigma)
-    below = weight.sum() - (weight**2).sum() / weight.sum()
-    return float(np.sqrt(max(chi2 - freedom, 0.0) / below)), float(sigma)
+def _slope_of_levels(
+    known: NDArray[np.intp], relative_level: Columns, shared: CommonMode
+) -> NDArray[np.float64]:
+    """Return the derivatives of ln(s·r_g) to what `shared.covariance` is of, a row for each g."""
+    position = {g: 2 + k for k, g in enumerate(shared.groups)}
+    rows = np.zeros((len(known), 2 + len(shared.groups)))
+    rows[:, 1] = 1.0 / shared.mean_slope
+    for row, g in zip(rows, known.tolist(), strict=True):
+        if g in position:
+            row[position[g]] = 1.0 / relative_level[g]
+    return rows
+
+
+def _own_of_levels(
+    log_ratio: Columns, covariance: NDArray[np.float64], stated: float | None
+) -> Excess:
+    """Return the variance of each level's own error: stated, or from the scatter of the levels."""
+    variance = None if stated is None else stated**2
+    if len(log_ratio) < 2:
+        return Excess(variance or 0.0, float("nan"), 0)
+    contrasts = free_of(np.ones((len(log_ratio), 1)))
+    known = contrasts @ covariance @ contrasts.T
+    return excess(contrasts @ log_ratio, known, np.eye(len(contrasts)), variance)

@@ -134,3 +134,30 @@ def test_a_source_that_is_not_steady_is_covered_with_the_few_degrees_of_freedom_
     exposures = tuple(np.linspace(50.0, 500.0, 12))
     bench = Bench(unrest=0.002, exposures=exposures)
     cover(bench, np.random.default_rng(), 1000).check(0.1)
+
+
+FEW = Bench(n=64, certificate=0.0, level_error=0.0, levels=(), unrest=0.003)
+
+
+@pytest.mark.parametrize("n_exposures", [3, 4, 5])
+def test_two_standard_uncertainties_cover_95_percent_with_few_blocks(n_exposures: int) -> None:
+    bench = replace(FEW, exposures=tuple(np.linspace(100.0, 500.0, n_exposures)))
+    rng, n = np.random.default_rng(), 150
+    z = np.sqrt([_z(bench, rng, pixels=False)[1][NAMES.index("scale")] for _ in range(n)])
+    # 1 to 3 degrees of freedom: Student's t, whose tails make a standard deviation of z useless.
+    assert np.mean(z < 2) > 0.9545 - 4 * np.sqrt(0.9545 * 0.0455 / n)
+
+
+def test_few_degrees_of_freedom_are_said() -> None:
+    def said(bench: Bench) -> str:
+        statistics = draw(bench, np.random.default_rng()).statistics
+        return " ".join(determine(statistics, bench.header(), Provenance("0" * 64)).warnings)
+
+    few = replace(FEW, exposures=(100.0, 300.0, 500.0), level_error=None)
+    assert "Only 1 more blocks than unknowns" in said(few)
+    assert "widened 7 times" in said(few)
+    assert "one level does not tell" in said(few)
+    assert "taken as 0: nonuniformity_relative, monitor_relative_std." in said(few)
+    assert "Only 3 levels tell" in said(replace(few, levels=(1, 2)))
+    enough = replace(few, levels=(1, 2, 4), exposures=tuple(np.linspace(100.0, 500.0, 9)))
+    assert "Only" not in said(enough)
