@@ -40,7 +40,7 @@ class CoefficientSet:
         slope: VE·QE, DN per radiance per µs: what `apply` divides by.
         slope_std: Its uncertainty without the scale's, which all columns share.
         offset_slope_covariance: Of DN0 and slope, DN² per radiance per µs.
-        dark_current_dn_per_us: What the dark level grows by; 0 where none was seen.
+        dark_current_dn_per_us: What the dark level grows by; 0 where no two exposures tell.
         dark_current_dn_per_us_std: Its uncertainty.
         reason: `ColumnState` of each column, uint8.
         scale_relative_std: Relative uncertainty of the radiance scale, common to all columns.

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.arrays import Columns
+from calib.radiometric.estimation.block_noise import BlockNoise
 from calib.radiometric.estimation.common_offset import CommonOffset, common_offset
 from calib.radiometric.estimation.excess import Excess, excess, free_of, variance_factor
 from calib.radiometric.estimation.joint_fit import JointFit
@@ -32,7 +33,7 @@ class CommonMode:
         source_unrest: η, relative, of one block; NaN where no degree of freedom is left.
         unrest_sigma: How sure it is that η is not 0, as standard deviations of a normal number;
             NaN where η is.
-        offset_noise_dn: a, DN, of one block.
+        offset_noise: a, of one block.
         block_variance_dn2: What noise does to the mean residual of each block in use, a² included.
         freedom: Degrees of freedom from which η comes.
         mean_slope: s̄, DN per µs of reference light.
@@ -46,7 +47,7 @@ class CommonMode:
 
     source_unrest: float
     unrest_sigma: float
-    offset_noise_dn: float
+    offset_noise: BlockNoise
     block_variance_dn2: Columns
     freedom: int
     mean_slope: float
@@ -69,7 +70,7 @@ def common_mode(
     fit: JointFit,
     exposure_us: Columns,
     group: NDArray[np.intp],
-    offset_noise_dn: float,
+    offset_noise: BlockNoise,
     current_std_dn_per_us: float = 0.0,
 ) -> CommonMode:
     """Estimate what the columns share, from the residuals' means over columns.
@@ -78,7 +79,7 @@ def common_mode(
         fit: The joint fit.
         exposure_us: (n_blocks,).
         group: Level group of each block, (n_blocks,).
-        offset_noise_dn: Scatter of the capped darks' means from block to block, DN.
+        offset_noise: Scatter of the capped darks' means from block to block.
         current_std_dn_per_us: Standard uncertainty of the mean dark current that was taken off,
             whose error enters all blocks in proportion to their exposure.
     """
@@ -91,15 +92,16 @@ def common_mode(
     freedom = len(used) - design.shape[1]
     signal = slope * fit.x_us[used]
     own = _own_variance(fit, slope)[used]
-    alike = offset_noise_dn**2 * np.eye(len(used))
-    alike += current_std_dn_per_us**2 * np.outer(exposure_us[used], exposure_us[used])
-    seen = _unrest(residual, signal, design, alike + np.diag(own)) if freedom > 0 else None
+    by_current = current_std_dn_per_us**2 * np.outer(exposure_us[used], exposure_us[used])
+    alike = offset_noise.variance_dn2 * np.eye(len(used)) + by_current
+    still = np.diag(offset_noise.found_dn2 + own) + by_current
+    seen = _unrest(residual, signal, design, still) if freedom > 0 else None
     error = own + (variance_factor(freedom) * seen.variance * signal**2 if seen else 0.0)
     return CommonMode(
         source_unrest=float(np.sqrt(seen.variance)) if seen else float("nan"),
         unrest_sigma=seen.sigma if seen else float("nan"),
-        offset_noise_dn=offset_noise_dn,
-        block_variance_dn2=offset_noise_dn**2 + own,
+        offset_noise=offset_noise,
+        block_variance_dn2=offset_noise.found_dn2 + own,
         freedom=freedom,
         mean_slope=slope,
         by_source=(estimator * error) @ estimator.T,

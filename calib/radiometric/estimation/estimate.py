@@ -12,14 +12,11 @@ from calib.arrays import Columns
 from calib.errors import NotDeterminedError
 from calib.kernels.column_fit import fit_lines
 from calib.radiometric.coefficients.column_state import ColumnState
+from calib.radiometric.estimation.block_noise import BlockNoise, block_noise
 from calib.radiometric.estimation.block_table import BlockTable, Cells, Mask
+from calib.radiometric.estimation.clear_darks import ClearDarks
 from calib.radiometric.estimation.column_check import check_columns, unchanging
-from calib.radiometric.estimation.dark_current import (
-    ClearDarks,
-    DarkCurrent,
-    dark_block_noise_dn,
-    dark_current,
-)
+from calib.radiometric.estimation.dark_current import DarkCurrent, dark_current
 from calib.radiometric.estimation.first_levels import first_levels, first_weights
 from calib.radiometric.estimation.joint_fit import JointFit, fit_jointly
 from calib.radiometric.estimation.noise_model import NoiseModel, fit_noise_model
@@ -44,7 +41,7 @@ class LineEstimate:
         fit: Columns and levels; masked columns have no weight.
         noise: The photon-transfer line.
         current: The dark current that was taken off.
-        dark_block_noise_dn: Common scatter of the dark blocks' means.
+        block_noise: Common offset noise of a block, from the darks.
         reason: `ColumnState` by column.
         mean_dn: Block means with rounding's bias and the dark current taken off.
     """
@@ -52,7 +49,7 @@ class LineEstimate:
     fit: JointFit
     noise: NoiseModel
     current: DarkCurrent
-    dark_block_noise_dn: float
+    block_noise: BlockNoise
     reason: NDArray[np.uint8]
     mean_dn: Cells
 
@@ -76,7 +73,7 @@ class _Round:
     fit: JointFit
     noise: NoiseModel
     current: DarkCurrent
-    block_noise_dn: float
+    block_noise: BlockNoise
     use: Mask
     mean_dn: Cells
 
@@ -116,9 +113,7 @@ def estimate_lines(
         weights = np.where(valid, state.fit.weights, 0.0)
         levels = state.fit.relative_level
         fit = fit_jointly(state.mean_dn, weights, flats.light_us, groups.of_block, levels)
-    return LineEstimate(
-        fit, state.noise, state.current, state.block_noise_dn, reason, state.mean_dn
-    )
+    return LineEstimate(fit, state.noise, state.current, state.block_noise, reason, state.mean_dn)
 
 
 def _settled(state: _Round, last: _Round) -> bool:
@@ -134,11 +129,11 @@ def _improve(sight: _Sight, fit: JointFit, noise: NoiseModel, last: DarkCurrent)
     range of codes.
     """
     flats, groups = sight.flats, sight.groups
-    darks = ClearDarks.of(sight.darks, noise, last)
-    block_noise = dark_block_noise_dn(darks)
-    current = dark_current(darks, block_noise)
+    darks = ClearDarks.of(sight.darks, noise, last.at(sight.darks.exposure_us))
+    shared = block_noise(darks, noise.read_variance_dn2 * float(np.mean(1.0 / sight.both.n_lines)))
+    current = dark_current(darks, shared)
     grown = current.at(flats.exposure_us)
-    predicted = fit.predicted_dn() + (grown if last.seen else 0.0)
+    predicted = fit.predicted_dn() + (grown if last.known else 0.0)
     sigma = noise.sigma_dn(predicted - fit.offset)
     use = within_range(predicted, sigma, sight.full_scale_dn) & sight.eligible
     use &= ~collapsed(flats.variance_dn2, typical_variance(sigma), flats.n_lines)
@@ -148,7 +143,7 @@ def _improve(sight: _Sight, fit: JointFit, noise: NoiseModel, last: DarkCurrent)
     weights = np.where(use, 1.0 / (variance + restored.variance_left_dn2), 0.0)
     levels = fit.relative_level
     fitted = fit_jointly(mean, weights, flats.light_us, groups.of_block, levels)
-    return _Round(fitted, noise, current, block_noise, use, mean)
+    return _Round(fitted, noise, current, shared, use, mean)
 
 
 def _noise(sight: _Sight, fit: JointFit, use: Mask, start: NoiseModel | None = None) -> NoiseModel:
@@ -167,16 +162,16 @@ def _noise(sight: _Sight, fit: JointFit, use: Mask, start: NoiseModel | None = N
 def current_variances(
     estimate: LineEstimate, exposure_us: Columns
 ) -> tuple[Columns, Columns, Columns]:
-    """Return what the dark current's uncertainty adds to var DN0, var s and their covariance.
+    """Return what columns' own dark current adds to var DN0, var s and their covariance.
 
     An error δ of the dark current shifts the means by −δ·t, and the lines by −δ times the line
-    that is fitted to t itself.
+    that is fitted to t itself. What is common to all columns is in `common_mode`.
     """
-    if not estimate.current.seen:
-        return estimate.current.std, estimate.current.std, estimate.current.std
+    variance = estimate.current.own_std**2
+    if not variance.any():
+        return variance, variance, variance
     times = np.broadcast_to(exposure_us[:, None], estimate.fit.weights.shape).astype(np.float64)
     lines = fit_lines(times, estimate.fit.weights, np.nan_to_num(estimate.fit.x_us))
-    variance = estimate.current.std**2
     return (
         variance * lines.offset**2,
         variance * lines.slope**2,

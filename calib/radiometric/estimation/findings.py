@@ -7,6 +7,7 @@ import numpy as np
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.coefficients.column_state import ColumnState
 from calib.radiometric.estimation.dark_comparison import DarkComparison
+from calib.radiometric.estimation.dark_current import CURRENT_SIGMA, DarkCurrent
 from calib.radiometric.estimation.excess import variance_factor
 from calib.radiometric.estimation.parts import Parts
 from calib.radiometric.estimation.scale import RadianceScale
@@ -58,9 +59,7 @@ def line_findings(parts: Parts) -> Iterator[str]:
         )
     elif smallest < NEGLIGIBLE_SIGMA_DN / 2.4:
         yield f"The noise in the dark is {smallest:.2f} DN: the bias of rounding was undone."
-    if estimate.current.seen:
-        mean = float(np.mean(estimate.current.dn_per_us))
-        yield f"The dark grows by {mean:.3g} DN per µs on average; this was taken off the flats."
+    yield from _current_findings(estimate.current)
 
 
 def _unrest_findings(parts: Parts) -> Iterator[str]:
@@ -86,6 +85,19 @@ def _unrest_findings(parts: Parts) -> Iterator[str]:
         yield (
             f"Only {shared.freedom} more blocks than unknowns tell how steady the source was: what "
             f"they tell is widened {_widened(shared.freedom)} times. Record more exposures."
+        )
+
+
+def _current_findings(current: DarkCurrent) -> Iterator[str]:
+    """Yield what the dark current gives reason to say."""
+    if current.mean_significance > CURRENT_SIGMA:
+        mean = float(np.mean(current.dn_per_us))
+        yield f"The dark grows by {mean:.3g} DN per µs on average; this was taken off the flats."
+    if current.outstanding.any():
+        most = float(current.dn_per_us[current.outstanding].max())
+        yield (
+            f"{int(current.outstanding.sum())} columns grow otherwise in the dark than the others, "
+            f"by up to {most:.3g} DN per µs; this was taken off the flats."
         )
 
 

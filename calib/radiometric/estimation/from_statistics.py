@@ -135,7 +135,7 @@ def _compare(
         estimate.current,
         offset_dn=coefficients.dark_offset_dn,
         shared_offset_variance=float(shared.offset_variance(mean_slope)[0]),
-        block_noise_dn=estimate.dark_block_noise_dn,
+        block_noise=estimate.block_noise,
         valid=coefficients.valid,
     )
 

@@ -1,7 +1,8 @@
 """How far block means lie from their lines, with the error that a dark current shares among them.
 
-The dark current of a column is known to ± u only, and what is wrong with it enters all flats of
-that column in proportion to their exposure t. The covariance of a column's means is therefore
+A column's difference from the mean dark current is known to ± u only, and what is wrong with it
+enters all flats of that column in proportion to their exposure t. (An error of the mean is taken up
+by the levels.) The covariance of a column's means is therefore
 W⁻¹ + u²·t·tᵀ. With r the residuals of the weighted fit and t' those of t itself, the chi-squared
 of the means against that covariance is (Sherman and Morrison 1950)
 
@@ -45,7 +46,8 @@ def _chi_squared(
 ) -> float:
     """Return χ² of `residual_dn`, (n_blocks, n_columns), summed over all columns."""
     plain = float(np.nansum(fit.weights * residual_dn**2))
-    if not current.seen:
+    variance = current.own_std**2
+    if not variance.any():
         return plain
     times = np.broadcast_to(exposure_us[:, None], fit.weights.shape).astype(np.float64)
     x_us = np.nan_to_num(fit.x_us)
@@ -53,5 +55,4 @@ def _chi_squared(
     left = times - lines.offset - np.outer(x_us, lines.slope)
     along = np.nansum(fit.weights * left * residual_dn, axis=0)
     room = np.nansum(fit.weights * left**2, axis=0)
-    variance = current.std**2
     return plain - float(np.nansum(variance * along**2 / (1.0 + variance * room)))

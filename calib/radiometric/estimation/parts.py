@@ -95,7 +95,7 @@ def _lines(
         estimate.fit,
         flats.exposure_us,
         groups.of_block,
-        estimate.dark_block_noise_dn,
+        estimate.block_noise,
         estimate.current.mean_std,
     )
     return estimate, shared
@@ -110,7 +110,7 @@ def _variances(estimate: LineEstimate, flats: BlockTable, shared: CommonMode) ->
     as well, but columns do not have it on their own: by so much chi-squared may fall below 1.
     """
     fit, lines = estimate.fit, estimate.fit.lines
-    in_common = shared.offset_noise_dn**2 * float(fit.weights[fit.weights > 0].mean())
+    in_common = shared.offset_noise.found_dn2 * float(fit.weights[fit.weights > 0].mean())
     own = own_misfit(fit, shared, flats.exposure_us, estimate.current)
     inflate = max(1.0 - min(in_common, 1.0), own)
     offset, slope, covariance = current_variances(estimate, flats.exposure_us)

@@ -112,6 +112,60 @@ def test_dark_current_is_taken_off_the_responsivity() -> None:
     assert any("The dark grows by" in text for text in found.warnings)
 
 
+def test_a_hot_columns_own_dark_current_is_taken_off() -> None:
+    """10 DN at the longest exposure, where the mean over columns shows nothing."""
+    bench = replace(BENCH, darks=5, certificate=0.0, level_error=0.0)
+    slope_z, current_z = [], []
+    for rng in np.random.default_rng().spawn(40):
+        drawn = draw(bench, rng)
+        hot = []
+        for s in drawn.statistics.fit:
+            mean_dn = s.mean_dn.copy()
+            mean_dn[40] += 0.02 * s.block.exposure_us
+            hot.append(replace(s, mean_dn=mean_dn))
+        found = determined(bench, RecordingStatistics(tuple(hot)))
+        c = found.coefficients
+        u = np.hypot(c.slope_std[40], c.slope[40] * c.scale_relative_std)
+        slope_z.append((c.slope[40] - drawn.vignette[40] * drawn.responsivity[40]) / u)
+        current = c.dark_current_dn_per_us[40] - 0.02
+        current_z.append(current / c.dark_current_dn_per_us_std[40])
+        assert any("1 columns grow otherwise in the dark" in text for text in found.warnings)
+    assert abs(np.mean(slope_z)) < 4 / np.sqrt(40)
+    assert abs(np.mean(current_z)) < 4 / np.sqrt(40)
+    assert np.std(current_z) < 1 + 4 / np.sqrt(80)
+
+
+def test_columns_that_differ_in_dark_current_have_their_own() -> None:
+    """Their scatter, as large as what darks tell of one column, is weighed against that."""
+    bench = replace(BENCH, n=512, darks=5)
+    rng, square = np.random.default_rng(), []
+    for _ in range(10):
+        drawn = draw(bench, rng)
+        truth = 0.02 + 6e-4 * rng.standard_normal(bench.n)
+        warm = [
+            replace(s, mean_dn=s.mean_dn + truth * s.block.exposure_us)
+            for s in drawn.statistics.fit
+        ]
+        c = determined(bench, RecordingStatistics(tuple(warm))).coefficients
+        away = c.dark_current_dn_per_us - truth
+        square.append(np.mean((away / c.dark_current_dn_per_us_std) ** 2))
+        # A darks' line tells 6.7e-4: weighed, half of the variance of either is left.
+        assert np.std(away) < 0.85 * 6e-4
+    # Where the deviation is large, the larger of two variances is stated.
+    assert np.mean(square) < 1 + 4 * np.sqrt(2 / 5120)
+    assert np.mean(square) > 0.6
+
+
+def test_line_noise_is_not_taken_for_a_dark_current_with_one_dark_per_exposure() -> None:
+    bench = replace(BENCH, line_noise_dn=2.0, darks=5, levels=())
+    said = 0
+    for rng in np.random.default_rng().spawn(60):
+        found = determined(bench, draw(bench, rng).statistics)
+        said += any("The dark grows by" in text for text in found.warnings)
+    # Student's t with 3 degrees of freedom exceeds 5·√3 once in 600: three in 60 are no chance.
+    assert said < 3
+
+
 def test_a_response_that_bends_is_said() -> None:
     drawn = draw(BENCH, np.random.default_rng(), pixels=True)
     bent = tuple(
@@ -143,3 +197,14 @@ def test_capped_darks_and_intercepts_differ_by_chance_as_much_as_is_stated(
     assert len(z) == n
     assert abs(z.mean()) < 4 / np.sqrt(n)
     assert abs(z.std() - 1) < 0.1 + 4 / np.sqrt(2 * n)
+
+
+@pytest.mark.parametrize("n_darks", [3, 4, 5])
+def test_with_few_darks_and_line_noise_they_differ_by_two_sigma_once_in_twenty(
+    n_darks: int,
+) -> None:
+    rng, n = np.random.default_rng(), 60
+    bench = replace(BENCH, line_noise_dn=2.0, dark_current=0.05, darks=n_darks, levels=())
+    found = [determined(bench, draw(bench, rng).statistics).darks for _ in range(n)]
+    within = [abs(d.significance_sigma) < 2 for d in found if d is not None]
+    assert np.mean(within) > 0.9545 - 4 * np.sqrt(0.9545 * 0.0455 / n)

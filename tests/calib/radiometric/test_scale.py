@@ -5,6 +5,7 @@ import pytest
 
 from calib.errors import InputError, NotDeterminedError
 from calib.radiometric.coefficients.provenance import Provenance
+from calib.radiometric.estimation.block_noise import BlockNoise
 from calib.radiometric.estimation.common_mode import CommonMode
 from calib.radiometric.estimation.common_offset import CommonOffset
 from calib.radiometric.estimation.from_statistics import determine
@@ -16,7 +17,7 @@ from tests.calib.radiometric.simulated import Bench, draw
 QUIET = CommonMode(
     source_unrest=0.0,
     unrest_sigma=0.0,
-    offset_noise_dn=0.0,
+    offset_noise=BlockNoise(0.0, 5, 0.0),
     block_variance_dn2=np.zeros(0),
     freedom=5,
     mean_slope=1.0,
