@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from calib.arrays import Columns
 from calib.radiometric.estimation.block_table import BlockTable, Cells
 from calib.radiometric.estimation.noise_model import NoiseModel
-from calib.radiometric.estimation.rounding import unrounded_mean
 from calib.radiometric.estimation.selection import within_range
+from calib.rounding import unrounded_mean
 
 
 @dataclass(frozen=True)
