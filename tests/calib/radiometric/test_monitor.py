@@ -50,7 +50,7 @@ def test_a_drift_is_taken_off_the_offsets_and_said() -> None:
             )
             found.append(np.mean(got.coefficients.dark_offset_dn - drawn.offset))
             assert verdict(got) == {"use": "used", "ignore": "ignored"}[choice]
-            assert any("monitor" in w for w in got.warnings) == (choice == "use")
+            assert any("corrected by its reading" in w for w in got.warnings) == (choice == "use")
     # A signal of 2,400 DN that gains 3 % on the way is bent; the line's intercept falls by a sixth
     # of that 80 DN where all exposures count alike, and by less where the dim ones count more.
     assert abs(np.mean(errors["ignore"])) > 5.0
