@@ -76,7 +76,9 @@ def test_the_coefficients_are_the_models(recording: InMemory) -> None:
     assert abs(c.system_gain_dn_per_e - truth.system_gain_dn_per_e) < 5 * gain_std
     assert abs(c.read_noise_e - truth.read_noise_e) < 5 * c.read_noise_e_std
     assert c.scale_relative_std == pytest.approx(0.008, rel=0.1)
-    assert c.budget.combined_common == pytest.approx(c.scale_relative_std, rel=1e-9)
+    # QE at the axis has a share of common offsets that the scale has not, some 1e-6 of it here.
+    assert c.budget.combined_common >= c.scale_relative_std * (1 - 1e-9)
+    assert c.budget.combined_common == pytest.approx(c.scale_relative_std, rel=1e-3)
 
 
 def test_the_set_says_where_it_comes_from_and_what_it_has_seen(
