@@ -35,12 +35,14 @@ class NoiseModel:
         read_variance_dn2: σ_r², DN².
         system_gain_dn_per_e_std: Standard uncertainty of K.
         read_variance_dn2_std: Standard uncertainty of σ_r².
+        covariance: Of K and σ_r²; negative, since the line turns about its middle.
     """
 
     system_gain_dn_per_e: float
     read_variance_dn2: float
     system_gain_dn_per_e_std: float
     read_variance_dn2_std: float
+    covariance: float = 0.0
 
     def sigma_dn(self, signal_dn: Cells) -> Cells:
         """Return the noise before rounding, DN, of a signal above DN0."""
@@ -64,17 +66,16 @@ class NoiseModel:
 
     @property
     def read_noise_e_std(self) -> float:
-        """Standard uncertainty of `read_noise_e`, by propagation from σ_r² and K.
+        """Standard uncertainty of `read_noise_e`, relative that of ln σ_r² / 2 − ln K.
 
-        Their covariance is left out: it is negative, so that this is on the large side.
+        Both terms err with opposite signs, so that their covariance adds to it.
         """
         if self.system_gain_dn_per_e <= 0 or self.read_variance_dn2 <= 0:
             return float("nan")
-        relative = np.hypot(
-            0.5 * self.read_variance_dn2_std / self.read_variance_dn2,
-            self.system_gain_dn_per_e_std / self.system_gain_dn_per_e,
-        )
-        return float(self.read_noise_e * relative)
+        by_floor = 0.5 * self.read_variance_dn2_std / self.read_variance_dn2
+        by_gain = self.system_gain_dn_per_e_std / self.system_gain_dn_per_e
+        across = self.covariance / (self.read_variance_dn2 * self.system_gain_dn_per_e)
+        return float(self.read_noise_e * np.sqrt(by_floor**2 + by_gain**2 - across))
 
 
 def fit_noise_model(
@@ -144,4 +145,5 @@ def _line(sums: NoiseSums, n_cells: int) -> NoiseModel:
     inflate = max(1.0, sums.misfit / max(n_cells - 2, 1))
     gain_std = np.sqrt(inflate / spread) if spread > 0 else float("nan")
     floor_std = np.sqrt(inflate * (1.0 / sums.w + (centre**2 / spread if spread > 0 else 0.0)))
-    return NoiseModel(gain, floor, float(gain_std), float(floor_std))
+    covariance = -centre * inflate / spread if spread > 0 else 0.0
+    return NoiseModel(gain, floor, float(gain_std), float(floor_std), float(covariance))

@@ -47,3 +47,22 @@ def test_noise_grows_with_the_root_of_the_signal() -> None:
 
 def test_read_noise_in_electrons_is_unknown_without_shot_noise() -> None:
     assert np.isnan(NoiseModel(0.0, 4.0, 0.1, 0.1).read_noise_e)
+
+
+def test_read_noise_in_electrons_scatters_as_stated() -> None:
+    """Of a line that turns about its middle, gain and read noise err with opposite signs."""
+    rng, lines, n = np.random.default_rng(), 100.0, 400
+    signal = np.linspace(5.0, 60.0, 6)[:, None] * np.ones(300)
+    truth, z = 0.15 * signal + 1.5**2 + 1.0 / 12.0, []
+    for _ in range(n):
+        variance = truth * rng.chisquare(lines - 1.0, signal.shape) / (lines - 1.0)
+        model = fit_noise_model(
+            signal + 50.0,
+            variance,
+            np.full(6, lines),
+            np.full(300, 50.0),
+            np.ones(signal.shape, np.bool_),
+        )
+        z.append((model.read_noise_e - 1.5 / 0.15) / model.read_noise_e_std)
+    assert abs(np.mean(z)) < 4 / np.sqrt(n)
+    assert abs(np.std(z) - 1) < 4 / np.sqrt(2 * n)
