@@ -93,3 +93,19 @@ def test_an_order_too_low_by_chance_is_not_taken_for_certain() -> None:
         vignette = normalise(fit, np.zeros(256), 0.0)
         z.append(((vignette.values - truth) / vignette.std)[np.abs(np.arange(256) - 140) > 40])
     assert np.sqrt(np.mean(np.square(z))) < 1.5
+
+
+def test_at_the_axis_it_is_uncertain_by_what_the_maximum_of_a_noisy_profile_is_too_high() -> None:
+    """VE is 1 at the column found for the axis; the truth is 1 at another, by √3·β less here."""
+    rng, n = np.random.default_rng(), 300
+    truth, columns, square = smooth_profile(128), np.arange(128.0), []
+    for _ in range(n):
+        slope = truth * (1 + 0.03 * rng.standard_normal(128))
+        fit = fit_profile(slope, np.zeros(128), np.zeros((128, 0)), order=4)
+        vignette = normalise(fit, np.zeros(128), 0.0)
+        lacking = 1 - np.interp(vignette.axis_column, columns, truth)
+        stated = np.interp(vignette.axis_column, columns, vignette.relative_std)
+        square.append((lacking / stated) ** 2)
+    # 3β² is the mean of a squared chi-squared of one degree of freedom, whose variance is 96/9.
+    assert abs(np.mean(square) - 1) < 4 * np.sqrt(96 / 9 / n)
+    assert np.mean(square) > 0.3
