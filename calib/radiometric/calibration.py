@@ -26,6 +26,7 @@ class CalibrationFigures:
         level_ratio_std: Its standard uncertainty, the levels' own certified one included.
         level_ratio_seen_std: The part of it that is the camera's.
         source_unrest: Relative scatter of the source between blocks; NaN where not testable.
+        dark_offset_common_std_dn: Standard uncertainty of DN0's mean over columns, DN.
         prnu_percent: ε, scatter of the slopes about the profile without their noise.
     """
 
@@ -38,6 +39,7 @@ class CalibrationFigures:
     level_ratio_std: Columns
     level_ratio_seen_std: Columns
     source_unrest: float
+    dark_offset_common_std_dn: float
     prnu_percent: float
 
 

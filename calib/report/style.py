@@ -55,6 +55,12 @@ def new_figure(width_in: float = 7.2, height_in: float = 3.4) -> Figure:
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
+def unit_text(unit: str) -> str:
+    """Return a unit as it is set in print: "W m-2 sr-1" as "W m⁻² sr⁻¹"."""
+    raised = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+    return re.sub(r"(?<=[A-Za-zµ])-?\d+", lambda power: power[0].translate(raised), unit)
+
+
 def as_svg(figure: Figure) -> str:
     """Return the figure as an inline SVG element that scales with the page."""
     with mpl.rc_context(_SETTINGS):

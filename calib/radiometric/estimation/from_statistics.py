@@ -127,17 +127,22 @@ def _assemble(
 def _compare(
     parts: Parts, darks: BlockTable, coefficients: CoefficientSet
 ) -> DarkComparison | None:
-    estimate, shared = parts.estimate, parts.shared
-    mean_slope = np.array([shared.mean_slope])
+    estimate = parts.estimate
     return compare_darks(
         darks,
         estimate.noise,
         estimate.current,
         offset_dn=coefficients.dark_offset_dn,
-        shared_offset_variance=float(shared.offset_variance(mean_slope)[0]),
+        shared_offset_variance=_common_offset_std(parts) ** 2,
         block_noise=estimate.block_noise,
         valid=coefficients.valid,
     )
+
+
+def _common_offset_std(parts: Parts) -> float:
+    """Return the standard uncertainty of DN0's mean over columns, DN."""
+    shared = parts.shared
+    return float(np.sqrt(shared.offset_variance(np.array([shared.mean_slope]))[0]))
 
 
 def _figures(parts: Parts) -> CalibrationFigures:
@@ -153,5 +158,6 @@ def _figures(parts: Parts) -> CalibrationFigures:
         level_ratio_std=parts.scale.level_ratio_std,
         level_ratio_seen_std=parts.scale.level_ratio_seen_std,
         source_unrest=parts.shared.source_unrest,
+        dark_offset_common_std_dn=_common_offset_std(parts),
         prnu_percent=100.0 * parts.profile.scatter,
     )

@@ -6,25 +6,30 @@ from matplotlib.figure import Figure
 
 from calib.arrays import Columns
 from calib.radiometric.calibration import Calibration
-from calib.report.style import BLUE, GREY, INK, ORANGE, new_figure
+from calib.report.style import BLUE, GREY, INK, ORANGE, new_figure, unit_text
 
 
 def dark_offset(calibration: Calibration) -> Figure:
-    """Draw DN0 with its ±2σ band, and the mean of the capped darks."""
-    figure = new_figure()
-    axes = figure.subplots()
+    """Draw DN0 with its ±2σ band and the mean of the capped darks, and below it its uncertainty."""
+    figure = new_figure(height_in=4.2)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     found = calibration.coefficients
-    _banded(axes, _only(found.dark_offset_dn, found.valid), found.dark_offset_dn_std, BLUE)
-    axes.axhline(0.0, color=INK, linewidth=0.8)
+    offset = _only(found.dark_offset_dn, found.valid)
+    _banded(upper, offset, found.dark_offset_dn_std, BLUE)
+    if np.nanmin(offset) < 0.0:
+        upper.axhline(0.0, color=INK, linewidth=0.8)
     if calibration.darks is not None:
-        axes.axhline(
+        upper.axhline(
             calibration.darks.capped_mean_dn,
             color=ORANGE,
             linestyle="--",
             label=f"mean of the capped darks, {calibration.darks.capped_mean_dn:.2f} DN",
         )
-        axes.legend(loc="upper right")
-    axes.set(title="Dark offset DN0", xlabel="column", ylabel="DN")
+        figure.legend(loc="outside upper right")
+    upper.set(title="Dark offset DN0", ylabel="DN")
+    lower.plot(_only(found.dark_offset_dn_std, found.valid), color=ORANGE, linewidth=0.5)
+    lower.set(ylabel="u(DN0), DN", xlabel="column")
+    lower.set_ylim(0.0, 1.15 * lower.get_ylim()[1])
     return figure
 
 
@@ -39,21 +44,19 @@ def slope(calibration: Calibration) -> Figure:
         color=ORANGE,
         label=f"polynomial of order {found.vignette_order}",
     )
-    axes.axvline(found.axis_column, color=BLUE, linewidth=0.8, linestyle=":")
-    axes.annotate(
-        f"axis {found.axis_column:.0f}",
-        (found.axis_column, 0.9),
-        xycoords=("data", "axes fraction"),
-        xytext=(4, 0),
-        textcoords="offset points",
+    axes.axvline(
+        found.axis_column,
         color=BLUE,
+        linewidth=0.8,
+        linestyle=":",
+        label=f"axis, column {found.axis_column:.0f}",
     )
     axes.set(
         title=f"Response and vignette: falls by {found.edge_fall_percent:.1f} % at the edge",
         xlabel="column",
-        ylabel=f"DN / ({found.radiance_unit} µs)",
+        ylabel=f"DN / ({unit_text(found.radiance_unit)} µs)",
     )
-    axes.legend(loc="lower center")
+    figure.legend(loc="outside lower center", ncols=3)
     return figure
 
 
@@ -65,7 +68,7 @@ def responsivity(calibration: Calibration) -> Figure:
     upper.plot(_only(found.responsivity, found.valid), color=BLUE, linewidth=0.5)
     upper.set(
         title=f"Responsivity QE: columns scatter by {calibration.figures.prnu_percent:.2f} %",
-        ylabel=f"DN / ({found.radiance_unit} µs)",
+        ylabel=f"DN / ({unit_text(found.radiance_unit)} µs)",
     )
     with np.errstate(invalid="ignore"):
         relative = 100.0 * found.responsivity_std / found.responsivity

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from calib.arrays import RawLines
 from calib.radiometric.correction.apply import Correction
-from calib.report.style import BLUE, GREY, ORANGE, new_figure
+from calib.report.style import BLUE, GREY, ORANGE, new_figure, unit_text
 
 LINES_SHOWN = 200
 
@@ -16,7 +16,7 @@ def before_and_after(raw: RawLines, correction: Correction, block: str) -> Figur
     radiance = correction.lines(lines).radiance
     figure = new_figure(height_in=5.4)
     grid = figure.subplots(2, 2, height_ratios=(1, 1.3))
-    unit = correction.coefficients.radiance_unit
+    unit = unit_text(correction.coefficients.radiance_unit)
     for axes, image, name in (
         (grid[0, 0], lines, f"Raw DN, block {block}"),
         (grid[0, 1], radiance, f"Radiance, {unit}"),

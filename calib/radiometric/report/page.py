@@ -29,14 +29,16 @@ from calib.report import camera_words, style
 
 CAPTIONS = {
     "before-and-after": "Masked columns are left blank, never filled in.",
-    "dark-offset": "The band is twice the standard uncertainty.",
+    "dark-offset": "The band is twice the standard uncertainty, which stands below.",
     "slope": "The polynomial is what optics do to all columns; the scatter about it is QE's.",
     "responsivity": "Its uncertainty includes the radiance scale's, which all columns share.",
     "order": "The order is the one that predicts columns which the fit did not see.",
-    "linearity": "A residual that bends is a nonlinear response; one that wanders, the source.",
+    "linearity": "A residual that bends is a nonlinear response; one that wanders, the source. The "
+    "bars contain what the dark offsets of all columns have in common.",
     "photon-transfer": "Shot noise makes a straight line; its slope is the system gain.",
     "radiance-scale": "The certificate's levels against each other, as the camera sees them.",
-    "residuals": "Noise looks like noise. Stripes, slopes or single rows are physics left out.",
+    "residuals": "Noise looks like noise. Stripes, slopes or single rows are physics left out. "
+    "Two darks or more stand against their own mean, not against the intercepts.",
 }
 
 
@@ -101,7 +103,7 @@ def figures(
         (coefficients, "slope", columns.slope(calibration)),
         (coefficients, "responsivity", columns.responsivity(calibration)),
         (coefficients, "order", order.order_choice(calibration.figures.order_choice)),
-        (belief, "linearity", response.linearity(found, blocks)),
+        (belief, "linearity", response.linearity(calibration, blocks)),
         (belief, "photon-transfer", noise.photon_transfer(found, blocks)),
         (belief, "radiance-scale", response.radiance_scale(calibration)),
         (belief, "residuals", residuals.residual_map(found, blocks)),

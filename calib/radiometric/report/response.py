@@ -4,15 +4,17 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from calib.radiometric.calibration import Calibration
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.block_statistics import BlockStatistics
-from calib.report.style import BLUE, CYCLE, GREY, INK, new_figure
+from calib.report.style import BLUE, CYCLE, GREY, INK, new_figure, unit_text
 
 
-def linearity(found: CoefficientSet, blocks: Sequence[BlockStatistics]) -> Figure:
+def linearity(calibration: Calibration, blocks: Sequence[BlockStatistics]) -> Figure:
     """Draw the mean signal against exposure by level, and what the straight line leaves."""
+    found, common = calibration.coefficients, calibration.figures.dark_offset_common_std_dn
     figure = new_figure(height_in=4.4)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     flats = [s for s in blocks if s.block.kind == "flat"]
@@ -33,7 +35,7 @@ def linearity(found: CoefficientSet, blocks: Sequence[BlockStatistics]) -> Figur
         upper.plot([0.0, *exposure[whole]], [0.0, *per_us * exposure[whole]], color=color, lw=0.6)
         if whole.sum() > 1:  # a single exposure leaves no residual
             line = per_us * exposure[whole]
-            std = np.array([_signal_std(found, s) for s in chosen])[whole]
+            std = np.array([_signal_std(found, s, common) for s in chosen])[whole]
             lower.errorbar(
                 exposure[whole], 100.0 * (signal[whole] / line - 1.0), yerr=200.0 * std / line,
                 fmt="o-", color=color, ms=3, lw=0.8, capsize=2,
@@ -68,7 +70,7 @@ def radiance_scale(calibration: Calibration) -> Figure:
         left.plot(span, per_radiance * span, color=GREY, lw=0.9)
     left.set(
         title="Radiance scale",
-        xlabel=f"certified radiance, {unit}",
+        xlabel=f"certified radiance, {unit_text(unit)}",
         ylabel="signal relative to the reference",
     )
     percent = 100.0 * data.level_ratio
@@ -82,6 +84,8 @@ def radiance_scale(calibration: Calibration) -> Figure:
         )  # fmt: skip
     right.plot(data.level, percent, "o", color=BLUE, ms=4)
     right.axhline(0.0, color=INK, lw=0.8)
+    if (data.level % 1 == 0).all():
+        right.xaxis.set_major_locator(MaxNLocator(integer=True))
     right.set(title="Certified over seen", xlabel="level", ylabel="difference ± 2σ, %")
     figure.legend(loc="outside lower right", ncols=2)
     return figure
@@ -92,10 +96,11 @@ def _signal(found: CoefficientSet, block: BlockStatistics) -> float:
     return float(np.mean((block.mean_dn - dark)[found.valid]))
 
 
-def _signal_std(found: CoefficientSet, block: BlockStatistics) -> float:
-    """Return the mean's standard uncertainty from noise: the block's own and the dark level's."""
-    own = (block.variance_dn2 / block.n_lines + found.dark_offset_dn_std**2)[found.valid]
-    return float(np.sqrt(np.sum(own)) / len(own))
+def _signal_std(found: CoefficientSet, block: BlockStatistics, common_dn: float) -> float:
+    """Return the mean's standard uncertainty: noise, and what the columns' DN0 have in common."""
+    own = np.maximum(found.dark_offset_dn_std**2 - common_dn**2, 0.0)
+    total = (block.variance_dn2 / block.n_lines + own)[found.valid]
+    return float(np.hypot(np.sqrt(np.sum(total)) / len(total), common_dn))
 
 
 def _unclipped(found: CoefficientSet, block: BlockStatistics) -> bool:

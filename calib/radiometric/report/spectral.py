@@ -48,7 +48,11 @@ def draw_shifts(axes: Axes, angles: Sequence[AngleComparison]) -> None:
             xytext=(6, 8), textcoords="offset points", color=GREY, fontsize=8,
         )  # fmt: skip
     axes.axhline(0, color=GREY, linewidth=0.7)
-    axes.set(title="Shift of the centroid, ± 2 std", xlabel="angle of incidence (°)", ylabel="nm")
+    axes.set(
+        title="Shift of the centroid, ± 2 std",
+        xlabel="angle of incidence (°)\nσ: significance of the change in shape",
+        ylabel="nm",
+    )
     axes.margins(x=0.3)
 
 

@@ -1,8 +1,11 @@
 """What the report says in words, from the numbers."""
 
+import math
+
 from calib.radiometric.calibration import Calibration
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.header import RecordingHeader
+from calib.report.style import unit_text
 
 Rows = tuple[tuple[str, str], ...]
 
@@ -41,14 +44,14 @@ def facts(calibration: Calibration) -> Rows:
     if found.axis_column_std is not None:
         axis += f" ± {found.axis_column_std:.1f}"
     rows = [
-        ("Mean dark offset DN0", f"{found.summary()['mean_dark_offset_dn']:.3f} DN"),
+        ("Mean dark offset DN0", f"{_mean_offset(calibration)} DN"),
         ("Axis column (0-based)", axis),
         ("Fall at the edge", f"{found.edge_fall_percent:.2f} %"),
         ("Order of the vignette", f"{found.vignette_order}"),
         (
             "Responsivity at the axis",
-            f"{found.responsivity[index]:.6g} ± {found.responsivity_std[index]:.2g} "
-            f"DN / ({found.radiance_unit} µs)",
+            f"{_with_std(found.responsivity[index], found.responsivity_std[index])} "
+            f"DN / ({unit_text(found.radiance_unit)} µs)",
         ),
         ("System gain", _gain(found)),
         ("Read noise", f"{_with_std(found.read_noise_e, found.read_noise_e_std)} e⁻"),
@@ -63,7 +66,16 @@ def _gain(found: CoefficientSet) -> str:
 
 
 def _with_std(value: float, std: float) -> str:
-    return f"{value:.5g} ± {std:.2g}"
+    """Return a value with as many digits as its uncertainty, of which two are given."""
+    if not (math.isfinite(value) and math.isfinite(std) and std > 0):
+        return f"{value:.5g} ± {std:.2g}"
+    digits = max(1 - math.floor(math.log10(std)), 0)
+    return f"{value:.{digits}f} ± {std:.{digits}f}"
+
+
+def _mean_offset(calibration: Calibration) -> str:
+    mean = calibration.coefficients.summary()["mean_dark_offset_dn"]
+    return _with_std(mean, calibration.figures.dark_offset_common_std_dn)
 
 
 def provenance(found: CoefficientSet) -> Rows:

@@ -14,6 +14,7 @@ from calib.radiometric.report.page import CAPTIONS, figures, write_report
 from calib.recording.block_statistics import RecordingStatistics
 from calib.recording.header import Block
 from calib.recording.statistics import column_statistics
+from calib.report.style import unit_text
 from tests.calib.radiometric.in_memory import InMemory, record
 
 LINES = 32
@@ -105,9 +106,32 @@ def test_residuals_of_a_sound_recording_have_unit_spread(
     expected = np.sqrt((1 - 2 / 10) * 27 / 25)
     free = 0.8 * image[flat].size
     assert np.std(image[flat]) == pytest.approx(expected, abs=4 * expected / np.sqrt(2 * free))
-    # Darks share their intercepts' error, so that only one of the five counts.
-    darks = np.std(image[~flat])
-    assert darks == pytest.approx(1.0, abs=4 / np.sqrt(2 * image.shape[1]))
+    # The darks' own mean takes one of their five freedoms, and the variance counts it already.
+    darks, free = np.std(image[~flat]), 0.8 * image[~flat].size
+    expected = np.sqrt(27 / 25)
+    assert darks == pytest.approx(expected, abs=4 * expected / np.sqrt(2 * free))
+
+
+def test_residuals_of_darks_do_not_show_the_intercepts_error(
+    recording: InMemory, calibration: Calibration, statistics: RecordingStatistics
+) -> None:
+    drawn = {f.name: f.figure for f in figures(recording, calibration, statistics)}
+    image = np.asarray(drawn["residuals"].axes[0].images[0].get_array())
+    darks = image[[b.block.kind == "dark" for b in statistics.fit]]
+    # Rows about their own mean have the correlation −1/(n − 1), those about DN0 a positive one.
+    found = np.corrcoef(darks)[np.triu_indices(len(darks), 1)]
+    assert np.mean(found) == pytest.approx(-1 / 4, abs=4 / np.sqrt(len(found) * image.shape[1]))
+
+
+def test_values_have_the_digits_of_their_uncertainty_and_units_are_printed(page: str) -> None:
+    fact = re.search(r"Responsivity at the axis</th><td[^>]*>([\d.]+) ± ([\d.]+) ([^<]*)<", page)
+    assert fact is not None
+    value, std, unit = fact.groups()
+    assert len(value.partition(".")[2]) == len(std.partition(".")[2])
+    assert len(std.lstrip("0.").replace(".", "")) == 2
+    assert "-1" not in unit
+    assert unit_text("W m-2 sr-1 nm-1") == "W m⁻² sr⁻¹ nm⁻¹"
+    assert unit_text("1") == "1"
 
 
 def test_a_masked_column_is_a_gap(
