@@ -13,6 +13,7 @@ from tests.test_bad_input.cases import (
     recording_files,
     recording_folders,
     stores,
+    transfers,
 )
 
 
@@ -29,6 +30,7 @@ SECTIONS = (
     Section("Recording files", recording_files.CASES),
     Section("What does not determine a calibration", calibrations.CASES),
     Section("Coefficient sets and the lines to correct", corrections.CASES),
+    Section("What does not determine photon transfer", transfers.CASES),
     Section("Plans", plans.CASES),
     Section("Models", models.CASES),
     Section("Benches", benches.CASES),

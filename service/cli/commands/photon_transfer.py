@@ -2,7 +2,7 @@
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from calib.recording.protocol import Recording
+    from calib.transfer.characterisation import Characterisation
+    from calib.transfer.two_exposures.two_exposures import TwoExposures
 
 
 class Method(StrEnum):
@@ -59,48 +61,41 @@ def photon_transfer(
         check_report(report)
         opened = open_recording(recording)
         with about(recording), progress("Photon transfer") as tell:
-            told: dict[str, Any] = {}
+            sensor = pair = None
             if method is Method.PTC:
-                told = _curve(opened, report, data_sheet, share_of(tell, "curve and data sheet"))
+                from calib.transfer.characterisation import characterise  # noqa: PLC0415
+
+                sensor = characterise(opened, progress=share_of(tell, "curve and data sheet"))
             if out is not None or method is not Method.PTC:
-                maps = _maps(opened, method, out, share_of(tell, "moments of every pixel"))
-                told = {**told, "maps": maps} if told else maps
+                pair = _pair(opened, method, share_of(tell, "moments of every pixel"))
+            if sensor is not None and (report or data_sheet):
+                from service.cli.data_sheet_files import write_sheet  # noqa: PLC0415
+
+                write_sheet(sensor, report, data_sheet)
+            if pair is not None and out is not None:
+                pair.save(out)
+        told = _told(sensor, pair, report=report, data_sheet=data_sheet, maps=out)
         answer.give(told, lambda console: _show(console, told))
 
 
-def _curve(
-    opened: "Recording",
-    report: Path | None,
-    data_sheet: Path | None,
-    tell: "Callable[[float], None]",
-) -> dict[str, Any]:
-    """Fit the curve, work out the sheet, and write what was asked for."""
-    from calib.transfer.characterisation import characterise  # noqa: PLC0415
-
-    found = characterise(opened, progress=tell)
-    if report or data_sheet:
-        from service.cli.data_sheet_files import write_sheet  # noqa: PLC0415
-
-        write_sheet(found, report, data_sheet)
-    written = {"report": report, "data_sheet": data_sheet}
-    return {
-        **found.answer(),
-        **{name: str(path) if path else None for name, path in written.items()},
-    }
-
-
-def _maps(
-    opened: "Recording", method: Method, out: Path | None, tell: "Callable[[float], None]"
-) -> dict[str, Any]:
-    """Reduce two exposures, and write the maps where they are asked for."""
+def _pair(opened: "Recording", method: Method, tell: "Callable[[float], None]") -> "TwoExposures":
+    """Reduce two exposures of one scene."""
     from calib.transfer.two_exposures.two_exposures import two_exposure_moments  # noqa: PLC0415
 
-    found = two_exposure_moments(
-        opened, "s3nuc" if method is Method.S3NUC else "sanuc", progress=tell
-    )
-    if out is not None:
-        found.save(out)
-    return {**found.answer(), "path": str(out) if out else None}
+    name: Literal["sanuc", "s3nuc"] = "s3nuc" if method is Method.S3NUC else "sanuc"
+    return two_exposure_moments(opened, name, progress=tell)
+
+
+def _told(
+    sensor: "Characterisation | None", pair: "TwoExposures | None", **files: Path | None
+) -> dict[str, Any]:
+    """Return the answer: the method's own, that of the maps beside it, and what was written."""
+    written = {name: str(path) if path else None for name, path in files.items()}
+    if sensor is None:
+        assert pair is not None  # noqa: S101 - one of the two was asked for
+        return {**pair.answer(), "written": written}
+    beside = None if pair is None else pair.answer()
+    return {**sensor.answer(), "two_exposures": beside, "written": written}
 
 
 def _show(console: Any, told: dict[str, Any]) -> None:

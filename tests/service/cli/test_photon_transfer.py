@@ -71,7 +71,12 @@ def test_a_sheet_for_people_and_one_for_programs(run: Run, recording: Path, tmp_
     page, xml = tmp_path / "sheet.html", tmp_path / "sheet.xml"
     ran = run("photon-transfer", recording, "--report", page, "--data-sheet", xml, "--json", "-")
     assert ran.status == 0, ran.stderr
-    assert (ran.json["report"], ran.json["data_sheet"]) == (str(page), str(xml))
+    written = ran.json["written"]
+    assert (written["report"], written["data_sheet"], written["maps"]) == (
+        str(page),
+        str(xml),
+        None,
+    )
     text = page.read_text("utf-8")
     assert "<svg" in text
     assert not re.search(r"(src|href)=.http", text)
@@ -101,7 +106,7 @@ def test_maps_come_beside_the_curve_where_they_are_asked_for(
 ) -> None:
     ran = run("photon-transfer", recording, "--out", tmp_path / "maps.h5", "--json", "-")
     assert ran.status == 0, ran.stderr
-    assert (ran.json["method"], ran.json["maps"]["method"]) == ("ptc", "sanuc")
+    assert (ran.json["method"], ran.json["two_exposures"]["method"]) == ("ptc", "sanuc")
     assert (tmp_path / "maps.h5").is_file()
 
 
@@ -113,6 +118,16 @@ def test_sanuc_says_that_it_needs_an_exposure_and_twice_of_it(
         "photon-transfer", recording_file, "--method", "sanuc", "--out", maps, "--json", "-"
     )  # 10, 40 and 90 µs
     assert (ran.status, ran.error_code) == (1, "not-doubled")
+    assert not maps.exists()
+
+
+def test_maps_and_sheets_are_written_all_or_none(
+    run: Run, recording_file: Path, tmp_path: Path
+) -> None:
+    sheet, maps = tmp_path / "sheet.xml", tmp_path / "maps.h5"
+    ran = run("photon-transfer", recording_file, "--data-sheet", sheet, "--out", maps)
+    assert ran.status == 1  # no exposure is twice another
+    assert not sheet.exists()
     assert not maps.exists()
 
 
