@@ -13,6 +13,7 @@ from service.cli.commands.doctor import doctor
 from service.cli.commands.export import export
 from service.cli.commands.import_folder import import_folder
 from service.cli.commands.photon_transfer import photon_transfer
+from service.cli.commands.mtf import mtf
 from service.cli.commands.serve import serve
 from service.cli.commands.simulate import simulate
 from service.cli.commands.spectral_response import spectral_response
@@ -37,6 +38,7 @@ app.command("calibrate")(calibrate)
 app.command("apply")(apply)
 app.command("photon-transfer")(photon_transfer)
 app.command("spectral-response")(spectral_response)
+app.command("mtf")(mtf)
 app.command("simulate")(simulate)
 app.add_typer(store, name="store")
 

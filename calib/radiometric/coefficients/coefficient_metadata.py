@@ -8,6 +8,7 @@ from typing import Any, Protocol
 from calib.budget import Budget, BudgetRow
 from calib.radiometric.coefficients.column_state import ColumnState
 from calib.radiometric.coefficients.provenance import Domain, Provenance
+from calib.radiometric.coefficients.transfer_reference import TransferReference
 from calib.recording.header import CameraHeader
 
 FORMAT = "darkflat coefficient set 1"
@@ -49,9 +50,19 @@ class Described(Protocol):
         """Where it comes from."""
         ...
 
+    @property
+    def transfer_function(self) -> TransferReference | None:
+        """The pixel's transfer function, where one is attached."""
+        ...
+
 
 def to_metadata(coefficients: Described) -> dict[str, Any]:
-    """Return everything but the arrays, ready for JSON; a number that is not known is None."""
+    """Return everything but the arrays, ready for JSON; a number that is not known is None.
+
+    What is optional is left out where there is none, so that a set keeps the id that it had before
+    there was such a thing.
+    """
+    transfer = coefficients.transfer_function
     return {
         "format": FORMAT,
         "reason_codes": {state.name.lower(): int(state) for state in ColumnState},
@@ -60,6 +71,7 @@ def to_metadata(coefficients: Described) -> dict[str, Any]:
         "budget": asdict(coefficients.budget),
         "provenance": asdict(coefficients.provenance),
         **{name: _finite(getattr(coefficients, name)) for name in SCALARS},
+        **({} if transfer is None else {"transfer_function": asdict(transfer)}),
     }
 
 
@@ -80,7 +92,17 @@ def from_metadata(metadata: Mapping[str, Any]) -> dict[str, Any]:
         "budget": Budget(**{**budget, "rows": rows}),
         "provenance": Provenance(**metadata["provenance"]),
         **{name: _unknown(name, metadata[name]) for name in SCALARS},
+        "transfer_function": _transfer(metadata.get("transfer_function")),
     }
+
+
+def _transfer(told: Mapping[str, Any] | None) -> TransferReference | None:
+    if told is None:
+        return None
+    pairs: dict[str, Any] = {
+        key: tuple(each) if isinstance(each, list) else each for key, each in told.items()
+    }
+    return TransferReference(**pairs)
 
 
 def _finite(value: Any) -> Any:

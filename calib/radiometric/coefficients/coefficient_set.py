@@ -3,7 +3,7 @@
 Source: Olsen et al. 2010 (AgCam), Eq. 1: DN(i) = L(i)·VE(i)·QE(i)·t + DN0(i).
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -18,6 +18,7 @@ from calib.radiometric.coefficients.coefficient_metadata import from_metadata, t
 from calib.radiometric.coefficients.column_state import ColumnState
 from calib.radiometric.coefficients.provenance import Domain, Provenance
 from calib.recording import content_addressed
+from calib.radiometric.coefficients.transfer_reference import TransferReference
 from calib.recording.header import CameraHeader
 
 
@@ -55,6 +56,7 @@ class CoefficientSet:
         domain: What the calibration has seen.
         budget: Of the responsivity, relative.
         provenance: Where it comes from.
+        transfer_function: The pixel's transfer function, where one was measured and attached.
     """
 
     camera: CameraHeader
@@ -83,6 +85,7 @@ class CoefficientSet:
     domain: Domain
     budget: Budget
     provenance: Provenance
+    transfer_function: TransferReference | None = None
 
     def __post_init__(self) -> None:
         for name in self.array_names():
@@ -116,6 +119,10 @@ class CoefficientSet:
     def dark_level_dn(self, exposure_us: float) -> Columns:
         """Return what the column reads in the dark: DN0 and the dark current, DN."""
         return self.dark_offset_dn + self.dark_current_dn_per_us * exposure_us
+
+    def with_transfer_function(self, transfer: TransferReference) -> "CoefficientSet":
+        """Return a set that carries `transfer`: other content, and so another id."""
+        return replace(self, transfer_function=transfer)
 
     def save(self, path: Path | str) -> None:
         """Write the set to `path` (HDF5), whole or not at all.

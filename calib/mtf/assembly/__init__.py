@@ -1,0 +1,1 @@
+"""Where the images lie on the pattern, and the oversampled grid that they fill."""

@@ -1,0 +1,59 @@
+"""Where an edge crosses each row, and the straight line through that."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import NotDeterminedError
+
+Vector = NDArray[np.floating]
+_HALF_WIDTH = 6.0
+_PASSES = 3
+_LEAST_TRAVEL = 1.0
+
+
+@dataclass(frozen=True)
+class EdgeLine:
+    """column = start + slope · row.
+
+    Attributes:
+        start: Column at row 0.
+        slope: Columns per row.
+        rising: Whether the light grows along the columns.
+    """
+
+    start: float
+    slope: float
+    rising: bool
+
+    def at(self, row: Vector) -> Vector:
+        """Return the column at each row."""
+        return self.start + self.slope * row
+
+
+def find_edge(image: Vector) -> EdgeLine:
+    """Find the edge that crosses the columns: ISO 12233's centroid of each row's derivative.
+
+    Raises:
+        NotDeterminedError: `no-edge`, or `no-slant` where it crosses less than one column over all
+            rows, so that its flank is not sampled finely.
+    """
+    derivative = np.gradient(image, axis=1)
+    rising = bool(derivative.sum() > 0)
+    derivative = derivative if rising else -derivative
+    rows, columns = np.arange(len(image), dtype=float), np.arange(image.shape[1], dtype=float)
+    mean = derivative.mean(axis=0)
+    if mean.max() <= 4 * np.median(np.abs(mean)):
+        msg = "no edge crosses the columns: show one edge, dark on one side and lit on the other"
+        raise NotDeterminedError(msg, code="no-edge")
+    smooth = np.array([np.convolve(row, np.ones(5), "same") for row in derivative])
+    line = np.polyfit(rows, columns[smooth.argmax(axis=1)], 1) if len(image) > 1 else np.zeros(2)
+    for _ in range(_PASSES):
+        away = columns - np.polyval(line, rows)[:, None]
+        inside = np.cos(np.pi / 2 * np.clip(away / _HALF_WIDTH, -1, 1)) ** 2 * derivative
+        line = np.polyfit(rows, (inside * columns).sum(1) / inside.sum(1), 1)
+    if abs(line[0]) * len(image) < _LEAST_TRAVEL:
+        msg = "the edge crosses less than one column over all rows: slant it by about five degrees"
+        raise NotDeterminedError(msg, code="no-slant")
+    return EdgeLine(float(line[1]), float(line[0]), rising)

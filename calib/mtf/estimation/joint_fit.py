@@ -1,0 +1,177 @@
+"""Direct least squares on the harmonics: all pixels and positions, and the bench's errors, at once.
+
+Gauss-Newton on the amplitudes of all harmonics, scale, tilt, and each frame's position and light;
+then one step of generalised least squares with each pixel's gain and offset as random effects.
+The covariance is the sandwich N⁻¹·(Σ s·sᵀ)·N⁻¹ with s the scores of groups of pixels (Liang and
+Zeger, Biometrika 73, 13, 1986), which holds whatever the noise depends on (shot noise follows the
+signal) as long as groups are independent.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import blas
+
+from calib.errors import NotDeterminedError
+from calib.mtf.estimation.harmonic_fit import HarmonicFit
+from calib.mtf.estimation.normal_equations import Normal, normal_matrix
+from calib.mtf.estimation.normal_solver import NormalSolver
+from calib.mtf.estimation.odd_pixels import good_pixels
+from calib.mtf.estimation.pixel_effects import PixelEffects, pixel_effects
+from calib.mtf.estimation.slopes import Slopes
+from calib.mtf.estimation.state import State
+from calib.mtf.geometry import Alignment
+from calib.mtf.harmonic_sums import Frames
+from calib.mtf.scan_images import ScanImages
+
+_MOST_STEPS = 12
+_SETTLED = 1e-3  # of a standard deviation per unknown
+_GROUPS_PER_UNKNOWN = 20
+_CHUNK_BYTES = 1 << 27
+
+
+@dataclass(frozen=True, eq=False)
+class _At:
+    """A state, its residual (odd pixels 0) and the pixels that are not odd."""
+
+    slopes: Slopes
+    residual: Frames
+    good: NDArray[np.bool_]
+
+
+def joint_fit(scan: ScanImages, start: Alignment) -> HarmonicFit:
+    """Fit all unknowns to all images.
+
+    Args:
+        scan: Every frame of it shows the pattern.
+        start: Within a tenth of the finest period of the truth, or so.
+
+    Raises:
+        NotDeterminedError: `aliased`, or `no-convergence` where the start was too far away.
+    """
+    everything = np.ones(scan.images.shape[1:], bool)
+    at = _settle(scan, _start(scan, start), everything)
+    good = good_pixels(_residual(scan, at.slopes, everything), at.slopes.model)
+    if not good.all():
+        at = _settle(scan, at.slopes.state, good)
+    effects = pixel_effects(at.residual, at.slopes.model, good)
+    return _generalised(scan, at, effects)
+
+
+def _start(scan: ScanImages, start: Alignment) -> State:
+    """Return the state with the mean alone, its stage errors about their median."""
+    stage = np.zeros((len(scan.positions), 2)) if start.stage_um is None else start.stage_um
+    middle = np.median(stage, axis=0)
+    alignment = replace(start, stage_um=stage - middle, shift_um=start.shift_um - middle)
+    levels = scan.images.mean(axis=(1, 2))
+    amplitude = np.zeros(len(scan.grating.harmonics) + 1, np.complex128)
+    amplitude[0] = levels.mean() / 2
+    return State(
+        scan.grating.harmonics, scan.sampling(alignment), amplitude, levels / levels.mean()
+    )
+
+
+def _settle(scan: ScanImages, state: State, good: NDArray[np.bool_]) -> _At:
+    """Take Gauss-Newton steps until they no longer matter; geometry joins after the first."""
+    for number in range(_MOST_STEPS):
+        slopes = Slopes(state)
+        residual = _residual(scan, slopes, good)
+        normal = normal_matrix(state)
+        solved = NormalSolver.of(_amplitudes_first(normal, state, first=number == 0), state.layout)
+        step = solved.solve(slopes.total(residual))
+        variance = (residual**2).mean() + np.finfo(float).eps * state.amplitude[0].real ** 2
+        if number and step @ normal @ step < _SETTLED**2 * variance * len(step):
+            return _At(slopes, residual, good)
+        if number == 0:
+            step[state.layout.scale :] = 0
+        state = state.moved(step)
+    msg = "the pattern's position does not settle: check pitch_um, period_um, m and n"
+    raise NotDeterminedError(msg, code="no-convergence")
+
+
+def _amplitudes_first(normal: Normal, state: State, *, first: bool) -> Normal:
+    """Return the matrix of the first step, which knows no slope of the geometry yet."""
+    if not first:
+        return normal
+    alone = normal.copy()
+    rest = slice(state.layout.scale, None)
+    alone[rest, :], alone[:, rest] = 0, 0
+    np.fill_diagonal(alone[rest, rest], 1.0)
+    return alone
+
+
+def _residual(scan: ScanImages, slopes: Slopes, good: NDArray[np.bool_]) -> Frames:
+    residual = scan.images - slopes.model
+    residual[:, ~good] = 0
+    return residual
+
+
+def _generalised(scan: ScanImages, at: _At, effects: PixelEffects) -> HarmonicFit:
+    """Take the generalised step and attach the covariance."""
+    normal = normal_matrix(at.slopes.state)
+    residual, solved = at.residual, None
+    if effects.are_seen:
+        normal = normal - _taken_out(at, effects)
+        residual = effects.whitened(residual, at.slopes.model)
+        residual[:, ~at.good] = 0
+        solved = NormalSolver.of(normal, at.slopes.state.layout)
+        moved = at.slopes.state.moved(solved.solve(at.slopes.total(residual)))
+        at = _At(Slopes(moved), _residual(scan, Slopes(moved), at.good), at.good)
+        residual = effects.whitened(at.residual, at.slopes.model)
+        residual[:, ~at.good] = 0
+    solved = solved or NormalSolver.of(normal, at.slopes.state.layout)
+    half = solved.solve(_scatter_of_scores(at.slopes, residual))
+    gain, offset = effects.of(at.residual, at.slopes.model)
+    return HarmonicFit(
+        _about_median(at.slopes.state), solved.solve(half.T), residual, effects.noise, gain, offset,
+        effects.gain_std, at.good,
+    )  # fmt: skip
+
+
+def _about_median(state: State) -> State:
+    """Return the same state with stage errors counted from their median: one bad one moves none."""
+    alignment = state.sampling.alignment
+    stage = np.zeros((1, 2)) if alignment.stage_um is None else alignment.stage_um
+    middle = np.median(stage, axis=0)
+    named = replace(alignment, stage_um=stage - middle, shift_um=alignment.shift_um - middle)
+    return replace(state, sampling=state.sampling.aligned(named))
+
+
+def _taken_out(at: _At, effects: PixelEffects) -> Normal:
+    """Return Σ over pixels of (slopesᵀ·Z·L)(slopesᵀ·Z·L)ᵀ: what gains and offsets hide."""
+    total = np.zeros((at.slopes.state.layout.size,) * 2)
+    for direction in effects.directions(at.slopes.model):
+        for scores in _scores(at.slopes, direction * at.good):
+            total += _square(scores)
+    return _full(total)
+
+
+def _scatter_of_scores(slopes: Slopes, residual: Frames) -> Normal:
+    """Return Σ s·sᵀ over groups of neighbouring pixels."""
+    size = slopes.state.layout.size
+    total = np.zeros((size, size))
+    group = max(1, residual[0].size // (_GROUPS_PER_UNKNOWN * size))
+    for scores in _scores(slopes, residual):
+        total += _square(np.add.reduceat(scores, np.arange(0, scores.shape[1], group), axis=1))
+    return _full(total) * residual.size / max(residual.size - size, 1)
+
+
+def _scores(slopes: Slopes, field: Frames) -> Iterator[Normal]:
+    """Yield the scores of a few rows of pixels at a time, (n_unknowns, n_pixels)."""
+    n_rows, n_columns = field.shape[1:]
+    rows = max(1, _CHUNK_BYTES // (8 * n_columns * slopes.state.layout.size))
+    for first in range(0, n_rows, rows):
+        these = slice(first, min(first + rows, n_rows))
+        yield slopes.by_pixel(field[:, these], these)
+
+
+def _square(scores: Normal) -> Normal:
+    """Return the lower triangle of scores · scoresᵀ."""
+    square: Normal = blas.dsyrk(1.0, scores.T, trans=1, lower=1)
+    return square
+
+
+def _full(lower: Normal) -> Normal:
+    return lower + np.tril(lower, -1).T

@@ -1,0 +1,49 @@
+"""Solves the normal equations, or says that the recording does not determine the unknowns."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_solve, lapack
+
+from calib.errors import NotDeterminedError
+from calib.mtf.estimation.state import Layout, Unknowns
+
+_LEAST_CONDITION = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class NormalSolver:
+    """A factorised normal matrix; the mean stage error and the mean level are held at 0."""
+
+    factor: NDArray[np.floating]
+    scale: NDArray[np.floating]
+
+    @classmethod
+    def of(cls, normal: NDArray[np.floating], layout: Layout) -> "NormalSolver":
+        """Factorise.
+
+        Raises:
+            NotDeterminedError: `aliased` where two unknowns cannot be told apart.
+        """
+        scale = 1 / np.sqrt(np.diag(normal))
+        scaled = normal * np.multiply.outer(scale, scale)
+        for which in range(3):
+            at = layout.of_frames(which)
+            direction = 1 / scale[at]
+            scaled[at, at] += np.multiply.outer(direction, direction) / (direction**2).mean()
+        factor, failed = lapack.dpotrf(scaled, lower=1)
+        condition = (
+            0.0 if failed else lapack.dpocon(factor, np.abs(scaled).sum(0).max(), uplo="L")[0]
+        )
+        if condition < _LEAST_CONDITION:
+            msg = "these frames do not tell all of the pattern's harmonics apart, since some alias"
+            msg += " onto each other: record more stage positions, or a larger part of the detector"
+            raise NotDeterminedError(msg, code="aliased")
+        return cls(factor, scale)
+
+    def solve(self, right: NDArray[np.floating]) -> Unknowns:
+        """Return the solution for one right-hand side, or for several as columns."""
+        scale = self.scale if right.ndim == 1 else self.scale[:, None]
+        solution: Unknowns = scale * cho_solve((self.factor, True), scale * right)
+        return solution

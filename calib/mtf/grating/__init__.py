@@ -1,0 +1,1 @@
+"""What a continuously self-imaging grating (CSIG) projects: orders, harmonics, the pattern."""

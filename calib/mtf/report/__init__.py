@@ -1,0 +1,1 @@
+"""The transfer function's report: one HTML file of figures, and the figures themselves."""

@@ -1,0 +1,1 @@
+"""What a detector whose pixel response is known would record of a grating."""

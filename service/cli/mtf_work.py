@@ -1,0 +1,63 @@
+"""What `darkflat mtf` does for a grating, and for an edge."""
+
+from pathlib import Path
+from typing import Any, Literal
+
+from calib.errors import InputError
+from calib.mtf.edge.edge_result import EdgeResult
+from calib.mtf.edge.reading import read_edge
+from calib.mtf.measure import measure
+from calib.mtf.reading import MtfToml, read_scan
+from calib.mtf.result import TransferResult
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from service.cli.about import about
+from service.cli.set_output import save_set
+
+
+def of_grating(
+    folder: Path,
+    read: MtfToml,
+    out: Path,
+    *,
+    method: Literal["regularised", "filter"],
+    support: int,
+    report: Path | None,
+    coefficient_set: Path | None,
+    set_out: Path | None,
+) -> dict[str, Any]:
+    """Reduce a scan of a grating; write TF.h5 and what else is asked for; return the answer."""
+    carrying = None if coefficient_set is None else CoefficientSet.load(coefficient_set)
+    scan = read_scan(folder, read)
+    with about(folder):
+        result = TransferResult(measure(scan, method, support), read.unknown_keys())
+    told = {**result.answer(), "path": str(out), "report": None, "coefficient_set": None}
+    result.save(out)
+    if carrying is not None and set_out is not None:
+        made = carrying.with_transfer_function(result.reference())
+        save_set(made, set_out)
+        told["coefficient_set"] = made.id
+    if report is not None:
+        from calib.mtf.report.page import write_report  # noqa: PLC0415  (matplotlib is slow)
+
+        write_report(report, result)
+        told["report"] = str(report)
+    return told
+
+
+def of_edge(
+    folder: Path,
+    read: MtfToml,
+    out: Path,
+    *,
+    report: Path | None,
+    coefficient_set: Path | None,
+) -> dict[str, Any]:
+    """Reduce an edge's images; the answer is that of a grating in one direction."""
+    if report is not None or coefficient_set is not None:
+        msg = f"{folder} holds an edge, which tells of one direction alone: leave out --report and"
+        raise InputError(f"{msg} --set, or record a grating", code="edge-only")
+    with about(folder):
+        result = EdgeResult(*read_edge(folder, read))
+    told = {**result.answer(), "path": str(out), "report": None, "coefficient_set": None}
+    result.save(out)
+    return told
