@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import NotDeterminedError
+from calib.mtf.assembly.odd_pixels import plausible_pixels
 from calib.mtf.assembly.pattern_search import PatternSearch
 from calib.mtf.geometry import Alignment
 from calib.mtf.grating.harmonics import Harmonics
@@ -21,6 +22,7 @@ from calib.mtf.scan_images import ScanImages
 _BLOCK_PIXELS, _MOST_BLOCKS = 24, 8
 _PASSES = 2
 _LEAST_AGREEMENT = 0.5
+_LEAST_LIKENESS = 0.8  # to a square pixel's view; shapes that were tried reach 0.93, chance 0.7
 _TRIMMED = 4.0
 _LOW = 0.9  # of 1/pitch: up to there a pixel that fills its pitch has not changed its sign
 
@@ -45,7 +47,8 @@ def coarse_alignment(scan: ScanImages) -> CoarseAlignment:
         NotDeterminedError: `no-pattern` where most frames do not show the grating's pattern.
     """
     low = _low_harmonics(scan)
-    images = scan.images - scan.images.mean(axis=(1, 2), keepdims=True)
+    good = plausible_pixels(scan.images)
+    images = (scan.images - scan.images[:, good].mean(axis=1)[:, None, None]) * good
     alignment = Alignment()
     for _ in range(_PASSES):
         alignment = _tilt_and_scale(scan, images, low, alignment)
@@ -124,12 +127,14 @@ def _stage_positions(
     sums = HarmonicSums(scan.sampling(alignment), low.frequency_per_um)
     spectra = sums.spectra(images) * sums.frames.conj()
     consensus = np.median(spectra.real, axis=0) + 1j * np.median(spectra.imag, axis=0)
+    nominal = _nominal(scan, low)
+    likeness = nominal.agreement(consensus[None], nominal.best(consensus[None]))[0]
     search = PatternSearch(low, consensus)
     found = search.best(spectra)
     blind = search.agreement(spectra, found) < _LEAST_AGREEMENT
-    if blind.sum() > len(blind) / 2:
-        msg = f"{int(blind.sum())} of {len(blind)} frames do not show the pattern of this grating:"
-        msg += " check eta2, period_um, pitch_um, m and n, and that frames are in the stage's order"
+    if likeness < _LEAST_LIKENESS or blind.sum() > len(blind) / 2:
+        msg = "the frames do not show the pattern of this grating: check eta2, period_um, pitch_um, m"
+        msg += " and n, and that frames are in the stage's order"
         raise NotDeterminedError(msg, code="no-pattern")
     errors = np.where(blind[:, None], 0.0, -found)
     return CoarseAlignment(

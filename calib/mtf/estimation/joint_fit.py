@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from scipy.linalg import blas
 
 from calib.errors import NotDeterminedError
+from calib.mtf.assembly.odd_pixels import good_pixels, plausible_pixels
 from calib.mtf.estimation.harmonic_fit import HarmonicFit
 from calib.mtf.estimation.normal_equations import Normal, normal_matrix
 from calib.mtf.estimation.normal_solver import NormalSolver
-from calib.mtf.estimation.odd_pixels import good_pixels
 from calib.mtf.estimation.pixel_effects import PixelEffects, pixel_effects
 from calib.mtf.estimation.slopes import Slopes
 from calib.mtf.estimation.state import State
@@ -51,21 +51,21 @@ def joint_fit(scan: ScanImages, start: Alignment) -> HarmonicFit:
     Raises:
         NotDeterminedError: `aliased`, or `no-convergence` where the start was too far away.
     """
-    everything = np.ones(scan.images.shape[1:], bool)
-    at = _settle(scan, _start(scan, start), everything)
-    good = good_pixels(_residual(scan, at.slopes, everything), at.slopes.model)
-    if not good.all():
+    plausible = plausible_pixels(scan.images)
+    at = _settle(scan, _start(scan, start, plausible), plausible)
+    good = plausible & good_pixels(at.residual, at.slopes.model)
+    if (good != plausible).any():
         at = _settle(scan, at.slopes.state, good)
     effects = pixel_effects(at.residual, at.slopes.model, good)
     return _generalised(scan, at, effects)
 
 
-def _start(scan: ScanImages, start: Alignment) -> State:
+def _start(scan: ScanImages, start: Alignment, good: NDArray[np.bool_]) -> State:
     """Return the state with the mean alone, its stage errors about their median."""
     stage = np.zeros((len(scan.positions), 2)) if start.stage_um is None else start.stage_um
     middle = np.median(stage, axis=0)
     alignment = replace(start, stage_um=stage - middle, shift_um=start.shift_um - middle)
-    levels = scan.images.mean(axis=(1, 2))
+    levels = scan.images[:, good].mean(axis=1)
     amplitude = np.zeros(len(scan.grating.harmonics) + 1, np.complex128)
     amplitude[0] = levels.mean() / 2
     return State(

@@ -81,8 +81,9 @@ class Thumbnails:
         """
         size = 2 * self.window.half + 1
         shape = np.multiply.outer(self.window.values, self.window.values)
+        every = self.used
         views = sliding_window_view(image, (size, size))[:: self.step, :: self.step]
-        for row, used in zip(views, self.used, strict=True):
+        for row, used in zip(views, every, strict=True):
             made = np.zeros((len(used), self.padded, self.padded // 2 + 1), np.complex128)
             if used.any():
                 cut = row[used] * shape

@@ -7,9 +7,18 @@ from scipy.stats import chi2
 from calib.mtf.harmonic_sums import Frames
 
 _TIMES_MEDIAN = 8.0  # 5.4 standard deviations of a Gaussian scatter
+_FAR = 20.0  # medians: the brightest pixels of a sparse pattern stay within
 _BY_CHANCE = 1e-9
 _SHOT_NOISE = 4.0  # the brightest pixels' variance may be so many times the median's
 _ROUND_OFF = 1e-9
+
+
+def plausible_pixels(images: Frames) -> NDArray[np.bool_]:
+    """Return which pixels' means are not far beyond the others', before anything is fitted."""
+    mean = images.mean(axis=0)
+    away = np.abs(mean - np.median(mean))
+    good: NDArray[np.bool_] = away <= _FAR * np.median(away) + _ROUND_OFF * np.abs(mean).max()
+    return good
 
 
 def good_pixels(residual: Frames, model: Frames) -> NDArray[np.bool_]:
