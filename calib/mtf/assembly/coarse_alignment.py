@@ -133,7 +133,9 @@ def _stage_positions(
     found = search.best(spectra)
     blind = search.agreement(spectra, found) < _LEAST_AGREEMENT
     if likeness < _LEAST_LIKENESS or blind.sum() > len(blind) / 2:
-        msg = "the frames do not show the pattern of this grating: check eta2, period_um, pitch_um, m"
+        msg = (
+            "the frames do not show the pattern of this grating: check eta2, period_um, pitch_um, m"
+        )
         msg += " and n, and that frames are in the stage's order"
         raise NotDeterminedError(msg, code="no-pattern")
     errors = np.where(blind[:, None], 0.0, -found)

@@ -20,12 +20,10 @@ class EdgeLine:
     Attributes:
         start: Column at row 0.
         slope: Columns per row.
-        rising: Whether the light grows along the columns.
     """
 
     start: float
     slope: float
-    rising: bool
 
     def at(self, row: Vector) -> Vector:
         """Return the column at each row."""
@@ -40,8 +38,7 @@ def find_edge(image: Vector) -> EdgeLine:
             rows, so that its flank is not sampled finely.
     """
     derivative = np.gradient(image, axis=1)
-    rising = bool(derivative.sum() > 0)
-    derivative = derivative if rising else -derivative
+    derivative *= np.sign(derivative.sum())
     rows, columns = np.arange(len(image), dtype=float), np.arange(image.shape[1], dtype=float)
     mean = derivative.mean(axis=0)
     if mean.max() <= 4 * np.median(np.abs(mean)):
@@ -56,4 +53,4 @@ def find_edge(image: Vector) -> EdgeLine:
     if abs(line[0]) * len(image) < _LEAST_TRAVEL:
         msg = "the edge crosses less than one column over all rows: slant it by about five degrees"
         raise NotDeterminedError(msg, code="no-slant")
-    return EdgeLine(float(line[1]), float(line[0]), rising)
+    return EdgeLine(float(line[1]), float(line[0]))

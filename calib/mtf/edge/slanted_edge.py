@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import NotDeterminedError
-from calib.mtf.edge.edge_line import EdgeLine, find_edge
+from calib.mtf.edge.edge_line import find_edge
 from calib.mtf.harmonic_sums import Complex
 
 Vector = NDArray[np.floating]
@@ -65,15 +65,13 @@ def slanted_edge(image: Vector, pitch_um: float, *, moving: bool = False) -> Edg
     reach = round(_REACH_PIXELS / step)
     at = np.floor(away / step + 0.5).astype(int)
     inside = np.abs(at) <= reach
-    spread, variance = _edge_spread(image[inside], at[inside] + reach, 2 * reach + 1, edge)
+    spread, variance = _edge_spread(image[inside], at[inside] + reach, 2 * reach + 1)
     place = pitch_um * step * np.arange(-reach, reach + 1)
     return _transform(spread, variance, place, pitch_um, angle)
 
 
-def _edge_spread(
-    signal: Vector, at: NDArray[np.int64], n_bins: int, edge: EdgeLine
-) -> tuple[Vector, Vector]:
-    """Return each bin's mean, rising, and its variance from the scatter on the two plateaus."""
+def _edge_spread(signal: Vector, at: NDArray[np.int64], n_bins: int) -> tuple[Vector, Vector]:
+    """Return each bin's mean, and its variance from the scatter on the two plateaus."""
     count = np.bincount(at, minlength=n_bins)
     if count.min() < 2:
         msg = "too few pixels lie at some distance of the edge: record more rows, or centre it"
@@ -84,7 +82,7 @@ def _edge_spread(
     low, high = square[:margin].mean(), square[-margin:].mean()
     share = np.clip((mean - mean[0]) / (mean[-1] - mean[0]), 0, 1)
     variance = (low + share * (high - low)) / count
-    return (mean if edge.rising else mean[::-1]), (variance if edge.rising else variance[::-1])
+    return mean, variance
 
 
 def _transform(

@@ -19,7 +19,8 @@ from calib.mtf.estimation.quadratic_forms import on_frequencies
 from calib.mtf.harmonic_sums import Complex
 
 Matrix = NDArray[np.floating]
-_CELLS_PER_PERIOD = 4
+_CELLS_PER_PERIOD = 4  # of the pattern's finest
+_CELLS_FOR_PRIOR = 3
 _MOST_FOR_PRIOR = 300
 _MARGIN_PIXELS = 0.5  # a quarter on each side, into which a neighbour's far edge is blurred
 _CENTRINGS = 2
@@ -143,10 +144,12 @@ def compact_psf(
     Returns:
         The PSF, and where its centroid was, (x, y) in the detector's frame, µm.
     """
-    per_pixel = max(int(np.ceil(_CELLS_PER_PERIOD * max_frequency_per_um * pitch_um)), 8)
-    sides = support + _MARGIN_PIXELS
-    basis = CompactBasis(sides * pitch_um, round(sides * per_pixel))
-    prior = most_probable(basis, *measured.thinned().data(basis))
+    side = (support + _MARGIN_PIXELS) * pitch_um
+    rough, basis = (
+        CompactBasis(side, int(np.ceil(n * side * max_frequency_per_um)))
+        for n in (_CELLS_FOR_PRIOR, _CELLS_PER_PERIOD)
+    )
+    prior = most_probable(rough, *measured.thinned().data(rough))
     centroid = np.zeros(2)
     for _ in range(_CENTRINGS):
         found = _posterior(basis, prior, measured.moved(centroid), max_frequency_per_um)

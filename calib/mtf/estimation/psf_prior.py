@@ -22,7 +22,7 @@ from calib.mtf.estimation.compact_basis import CompactBasis
 
 Matrix = NDArray[np.floating]
 _POWERS = (0, 1, 2)
-_LENGTHS = (1 / 12, 1 / 6, 1 / 3, 2 / 3, 4 / 3)  # of the support's side
+_LENGTHS = (1 / 12, 1 / 6, 1 / 3, 2 / 3)  # of the support's side
 _LOG_RANGE = (-6.0, 12.0)
 
 

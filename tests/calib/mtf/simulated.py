@@ -37,12 +37,16 @@ class Case:
 
     @property
     def shift_um(self) -> NDArray[np.floating]:
-        """Where the pattern lies with the PSF's centroid at 0, the stage's median error included."""
+        """Where the pattern lies with the PSF's centroid at 0, the median stage error off."""
         stage = self.bench.alignment.stage_um
         middle = np.zeros(2) if stage is None else np.median(stage, axis=0)
         tilt = self.bench.scan.tilt_rad + self.bench.alignment.tilt_rad
         turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
-        return self.bench.alignment.shift_um - middle + turn @ np.array(self.bench.response.centroid_um)
+        return (
+            self.bench.alignment.shift_um
+            - middle
+            + turn @ np.array(self.bench.response.centroid_um)
+        )
 
     def transfer(self, fit: HarmonicFit) -> NDArray[np.complexfloating]:
         """Return the true transfers at a fit's harmonics, phases about the fit's shift."""
@@ -121,6 +125,8 @@ class Scores:
         """Assert mean 0 and mean square 1 within so many of their standard errors."""
         root = np.sqrt(len(self.means))
         mean, square = np.array(self.means), np.array(self.squares)
-        assert abs(mean.mean()) < standard_errors * mean.std(ddof=1) / root, f"{name}: {mean.mean()}"
+        assert abs(mean.mean()) < standard_errors * mean.std(ddof=1) / root, (
+            f"{name}: {mean.mean()}"
+        )
         away = abs(square.mean() - 1)
         assert away < standard_errors * square.std(ddof=1) / root, f"{name}: {square.mean()}"

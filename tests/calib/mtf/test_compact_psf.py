@@ -1,4 +1,4 @@
-"""The regularised estimate: how near it comes to the truth between harmonics, and whether it knows."""
+"""The regularised estimate: how near it comes to the truth, and whether it knows."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,9 @@ def fitted(response: PixelResponse, grating: Grating, std: float, rng: Generator
     exact = harmonics_of(fit)
     noise = rng.normal(size=2 * len(exact.transfer)) * np.sqrt(np.diag(exact.covariance))
     real, imaginary = np.split(noise, 2)
-    seen = Harmonic(exact.frequency_per_um, exact.transfer + real + 1j * imaginary, exact.covariance)
+    seen = Harmonic(
+        exact.frequency_per_um, exact.transfer + real + 1j * imaginary, exact.covariance
+    )
     return compact_psf(seen, PITCH_UM, grating.max_frequency_per_um)[0]
 
 

@@ -38,12 +38,16 @@ def disc(grating: Grating, grid: Oversampled, n: int = 15) -> NDArray[np.floatin
 def test_images_are_put_where_they_were_taken() -> None:
     case = record(default_rng(), (20, 24))
     fit = exact_fit(CORNER, ORDERS_24, (20, 24))
-    shown = oversampled(replace(fit, residual=case.scan.images), np.zeros(2), select_harmonics=False)
+    shown = oversampled(
+        replace(fit, residual=case.scan.images), np.zeros(2), select_harmonics=False
+    )
     bare = oversampled(fit, np.zeros(2), select_harmonics=True)
     put = (shown.image - bare.image) * fit.mean
     row, column = np.arange(20)[:, None], np.arange(24)[None, :]
     for k in (0, 17, 36):
-        np.testing.assert_allclose(put[column + 6 * row, 6 * column - row + k + 19], case.scan.images[k])
+        np.testing.assert_allclose(
+            put[column + 6 * row, 6 * column - row + k + 19], case.scan.images[k]
+        )
     assert shown.covered.sum() == 37 * 20 * 24
 
 
@@ -129,7 +133,7 @@ def test_noise_falls_as_one_over_the_root_of_the_thumbnails(grid: Oversampled) -
         for n in counts.tolist()
     ]
     slope = np.polyfit(np.log(counts), np.log(gains), 1)[0]
-    # Few thumbnails see the pattern by chance: 1/16 of them are about as many as hold one cell of it.
+    # Few thumbnails see the pattern by chance: 1/16 of them hold about one cell of it.
     assert slope == pytest.approx(-0.5, abs=0.05)
 
 
@@ -156,7 +160,9 @@ def test_eq_6_is_the_harmonics_mean_weighted_with_the_window_s_power() -> None:
     transfer = np.concatenate([fit.transfer, fit.transfer.conj()])
     expected = (share @ transfer) / share.sum(1)
     # What is left are products of different harmonics, which fall as one over the root of n.
-    assert np.sqrt((np.abs(found - expected) ** 2).mean()) < 0.3 / np.sqrt(filtering.thumbnails.count)
+    assert np.sqrt((np.abs(found - expected) ** 2).mean()) < 0.3 / np.sqrt(
+        filtering.thumbnails.count
+    )
 
 
 def test_one_percent_cannot_be_had_from_eq_6_as_printed() -> None:

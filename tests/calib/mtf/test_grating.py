@@ -85,7 +85,9 @@ def test_a_polychromatic_source_blurs_unwanted_fringes_and_leaves_the_pattern() 
     laser = Grating(50, 340.0, weak, Source((1.3,), (1.0,), 2e5)).harmonics
     pure = Grating(50, 340.0).harmonics
     mean = 1 + 0.1**2 / 12
-    strength = {tuple(i): abs(a) * mean for i, a in zip(pure.index.tolist(), pure.amplitude)}
+    strength = {
+        tuple(i): abs(a) * mean for i, a in zip(pure.index.tolist(), pure.amplitude, strict=True)
+    }
     unwanted_of = {}
     for name, found in (("white", white), ("laser", laser)):
         pairs = zip(map(tuple, found.index.tolist()), np.abs(found.amplitude), strict=True)

@@ -1,4 +1,4 @@
-"""Is every uncertainty the standard deviation of what happens? Tilt, stage, gain, noise: all at once.
+"""Is every uncertainty the standard deviation of what happens? Tilt, stage, gain, noise at once.
 
 Pixels, stage errors, tilt, scale, shift and noise are drawn anew for each recording.
 """
@@ -74,7 +74,7 @@ def test_gain_scatter_of_one_percent_is_measured_and_costs_nothing_after() -> No
     assert abs(uneven.gain_std - 0.01) < 5 * standard_error
     assert clean.gain_std < 0.001
     before, after = (np.sqrt(np.trace(fit.transfer_covariance)) for fit in (clean, uneven))
-    # Two of ten signals of a pixel go into its own gain and offset; unsorted, it would cost 6 times.
+    # Two of a pixel's ten signals go into its own gain and offset; unsorted, it cost 6 times.
     assert after < 1.5 * before
 
 
@@ -85,7 +85,9 @@ def test_a_pixel_s_gain_is_found_pixel_by_pixel() -> None:
     fit = joint_fit(case.scan, coarse_alignment(case.scan).alignment)
     error = fit.gain - (truth / truth.mean() - 1)
     images = case.scan.images
-    own_noise = 200.0 / np.sqrt((images**2).sum(0))  # were a pixel fitted alone and its offset known
+    own_noise = 200.0 / np.sqrt(
+        (images**2).sum(0)
+    )  # were a pixel fitted alone and its offset known
     assert (error**2).mean() < 1.5 * (own_noise**2).mean()
     assert (error**2).mean() < 0.05 * (fit.gain**2).mean()
 
@@ -96,7 +98,9 @@ def test_odd_pixels_are_left_out_and_do_no_harm(value: float) -> None:
     case = record(rng, SHAPE, scan=SMALL, grating=ORDERS_12, detector=READ_NOISE)
     images = case.scan.images.copy()
     images[:, 3, 4], images[2, 30, 31] = value, value
-    fit = joint_fit(ScanImages.whole(SMALL, ORDERS_12, images), coarse_alignment(case.scan).alignment)
+    fit = joint_fit(
+        ScanImages.whole(SMALL, ORDERS_12, images), coarse_alignment(case.scan).alignment
+    )
     assert set(map(tuple, np.argwhere(~fit.good).tolist())) == {(3, 4), (30, 31)}
     error = fit.transfer - case.transfer(fit)
     z = np.concatenate([error.real, error.imag]) / np.sqrt(np.diag(fit.transfer_covariance))
