@@ -6,11 +6,16 @@ from benchmarks import (
     apply,
     calibration,
     line_fit,
+    mtf,
     pairs,
     recording,
     simulation,
     sums,
     two_exposures,
+    recording,
+    simulation,
+    sums,
+    transfer_function,
 )
 from benchmarks.row import Row
 from benchmarks.size import Size
@@ -29,4 +34,5 @@ ROWS: dict[str, Callable[[Size], Row]] = {
     "record": recording.run,
     "calibrate-8": calibration.of_8_bits,
     "calibrate-12": calibration.of_12_bits,
+    "mtf": transfer_function.run,
 }

@@ -63,20 +63,30 @@ class HarmonicSums:
         made += mean
         return made
 
-    def spectra(self, images: Frames, row_power: int = 0, column_power: int = 0) -> Complex:
-        """Return Σ image·row^i·col^j·exp(−2πi(col·u + row·v)) of each image: (n_frames, n).
+    def spectra(self, images: Frames) -> Complex:
+        """Return Σ image·exp(−2πi(col·u + row·v)) of each image: (n_frames, n).
 
         The frames' own phases are not in it.
         """
-        weight = self.sampling.column[:, None] ** column_power
-        across = np.hstack([self.columns.real.T * weight, -self.columns.imag.T * weight])
-        down = self.rows.conj() * self.sampling.row**row_power
-        sums = np.empty((len(images), len(down)), np.complex128)
-        n = len(down)
-        for image, out in zip(images, sums, strict=True):
+        return self.spectra_with_moments(images, moments=False)[0]
+
+    def spectra_with_moments(
+        self, images: Frames, *, moments: bool = True
+    ) -> tuple[Complex, Complex, Complex]:
+        """Return the same, and with images multiplied by row and by col: (n_frames, n) each."""
+        across = np.hstack([self.columns.real.T, -self.columns.imag.T])
+        if moments:
+            across = np.hstack([across, across * self.sampling.column[:, None]])
+        down, n = self.rows.conj().T, len(self.rows)
+        plain, by_row, by_column = np.zeros((3, len(images), n), np.complex128)
+        for k, image in enumerate(images):
             lines = image @ across
-            out[:] = (down.T * (lines[:, :n] + 1j * lines[:, n:])).sum(0)
-        return sums
+            turned = down * (lines[:, :n] + 1j * lines[:, n : 2 * n])
+            plain[k] = turned.sum(0)
+            if moments:
+                by_row[k] = self.sampling.row @ turned
+                by_column[k] = (down * (lines[:, 2 * n : 3 * n] + 1j * lines[:, 3 * n :])).sum(0)
+        return plain, by_row, by_column
 
     def _turns(self, frequency: Vector, at: Vector) -> Complex:
         pitch = self.sampling.scan.pitch_um

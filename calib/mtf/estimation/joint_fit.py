@@ -118,7 +118,8 @@ def _generalised(scan: ScanImages, at: _At, effects: PixelEffects) -> HarmonicFi
         residual[:, ~at.good] = 0
         solved = NormalSolver.of(normal, at.slopes.state.layout)
         moved = at.slopes.state.moved(solved.solve(at.slopes.total(residual)))
-        at = _At(Slopes(moved), _residual(scan, Slopes(moved), at.good), at.good)
+        slopes = Slopes(moved)
+        at = _At(slopes, _residual(scan, slopes, at.good), at.good)
         residual = effects.whitened(at.residual, at.slopes.model)
         residual[:, ~at.good] = 0
     solved = solved or NormalSolver.of(normal, at.slopes.state.layout)
@@ -158,7 +159,7 @@ def _scatter_of_scores(slopes: Slopes, residual: Frames) -> Normal:
     return _full(total) * residual.size / max(residual.size - size, 1)
 
 
-def _scores(slopes: Slopes, field: Frames) -> Iterator[Normal]:
+def _scores(slopes: Slopes, field: Frames) -> Iterator[NDArray[np.float32]]:
     """Yield the scores of a few rows of pixels at a time, (n_unknowns, n_pixels)."""
     n_rows, n_columns = field.shape[1:]
     rows = max(1, _CHUNK_BYTES // (8 * n_columns * slopes.state.layout.size))
@@ -167,9 +168,9 @@ def _scores(slopes: Slopes, field: Frames) -> Iterator[Normal]:
         yield slopes.by_pixel(field[:, these], these)
 
 
-def _square(scores: Normal) -> Normal:
+def _square(scores: NDArray[np.float32]) -> Normal:
     """Return the lower triangle of scores · scoresᵀ."""
-    square: Normal = blas.dsyrk(1.0, scores.T, trans=1, lower=1)
+    square: Normal = blas.ssyrk(1.0, scores.T, trans=1, lower=1)
     return square
 
 

@@ -8,6 +8,7 @@ pixel's signals with the inverse of σ²·1 + Z·B·Zᵀ, Z = [m, 1], B = diag(v
 Source: Searle, Casella and McCulloch, Variance Components (1992), sections 5.3 and 7.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,11 +53,13 @@ class PixelEffects:
         gain, offset = self.of(residual, model)
         return residual - gain * model - offset
 
-    def directions(self, model: Frames) -> tuple[Frames, Frames]:
-        """Return Z·L with G = L·Lᵀ: what is taken out of each pixel, (n_frames, rows, columns)."""
+    def directions(self, model: Frames) -> Iterator[Frames]:
+        """Yield Z·L with G = L·Lᵀ: what is taken out of each pixel, (n_frames, rows, columns)."""
         root = np.linalg.cholesky(self.inverse)
-        first = model * root[..., 0, 0] + root[..., 1, 0]
-        return first, np.broadcast_to(root[..., 1, 1], model.shape)
+        if self.gain_std > 0:
+            yield model * root[..., 0, 0] + root[..., 1, 0]
+        if self.offset_std > 0:
+            yield np.broadcast_to(root[..., 1, 1], model.shape)
 
 
 def pixel_effects(residual: Frames, model: Frames, good: NDArray[np.bool_]) -> PixelEffects:

@@ -29,33 +29,46 @@ class Slopes:
         return x, y
 
     def total(self, residual: Frames) -> Unknowns:
-        """Return Σ over pixels and frames of derivative · residual, by unknown."""
-        layout, sums = self.state.layout, self.state.sums
-        spectrum = (sums.spectra(residual) * sums.frames.conj() * self.state.level[:, None]).sum(0)
+        """Return Σ over pixels and frames of derivative · residual, by unknown.
+
+        The images being 2·Re Σ w·E, all of it is in the residual's spectra Σ residual·conj(E).
+        """
+        layout, sums, level = self.state.layout, self.state.sums, self.state.level
+        plain, by_row, by_column = sums.spectra_with_moments(residual)
+        turned = (plain * sums.frames.conj() * level[:, None]).sum(0)
         found = np.empty(layout.size)
-        found[layout.real], found[layout.imaginary] = 2 * spectrum.real, 2 * spectrum.imag[1:]
-        x, y = (residual * each for each in self.along)
-        found[layout.scale], found[layout.tilt] = self._geometry(x.sum(0), y.sum(0), slice(None))
-        found[layout.of_frames(0)], found[layout.of_frames(1)] = x.sum((1, 2)), y.sum((1, 2))
-        brightness = np.einsum("krc,krc->k", residual, self.model) / self.state.level
-        found[layout.of_frames(2)] = brightness
+        found[layout.real], found[layout.imaginary] = 2 * turned.real, 2 * turned.imag[1:]
+        weight = self.state.by_frame
+        for which, frequency in enumerate(sums.frequency_per_um.T):
+            slope = weight * (2j * np.pi * frequency)
+            found[layout.of_frames(which)] = 2 * (slope.conj() * plain).sum(1).real
+        found[layout.of_frames(2)] = 2 * (weight.conj() * plain).sum(1).real / level
+        u, v = 2j * np.pi * self.state.sampling.scan.pitch_um * sums.detector_per_um.T
+        size = 1 + self.state.sampling.alignment.scale
+        stretched = (weight * u).conj() * by_column + (weight * v).conj() * by_row
+        found[layout.scale] = 2 * stretched.sum().real / size
+        twisted = (weight * v).conj() * by_column - (weight * u).conj() * by_row
+        found[layout.tilt] = 2 * twisted.sum().real
         return found
 
-    def by_pixel(self, field: Frames, rows: slice) -> NDArray[np.floating]:
+    def by_pixel(self, field: Frames, rows: slice) -> NDArray[np.float32]:
         """Return Σ over frames of derivative · field of each pixel: (n_unknowns, n_pixels).
+
+        In single precision: what is made of it are covariances.
 
         Args:
             field: (n_frames, rows, n_columns).
             rows: Which of the detector's rows they are.
         """
         layout, sums = self.state.layout, self.state.sums
-        phase = sums.frames.conj().T * self.state.level
-        flat = field.reshape(len(field), -1)
-        turned = phase.real @ flat + 1j * (phase.imag @ flat)
-        place = sums.rows[:, rows, None] * sums.columns[:, None, :]
-        turned *= place.reshape(len(turned), -1).conj()
-        found = np.empty((layout.size, flat.shape[1]))
-        found[layout.real], found[layout.imaginary] = 2 * turned.real, 2 * turned.imag[1:]
+        phase = (2 * sums.frames.conj().T * self.state.level).astype(np.complex64)
+        flat = field.reshape(len(field), -1).astype(np.float32)
+        cos, sin = phase.real.copy() @ flat, phase.imag.copy() @ flat
+        down, across = (each.astype(np.complex64) for each in (sums.rows[:, rows], sums.columns))
+        place = (down[:, :, None] * across[:, None, :]).reshape(len(cos), -1)
+        found = np.empty((layout.size, flat.shape[1]), np.float32)
+        found[layout.real] = cos * place.real + sin * place.imag
+        found[layout.imaginary] = (sin * place.real - cos * place.imag)[1:]
         x, y = (field * each[:, rows] for each in self.along)
         scale, tilt = self._by_pixel(x.sum(0), y.sum(0), rows)
         found[layout.scale], found[layout.tilt] = scale.ravel(), tilt.ravel()
@@ -64,10 +77,6 @@ class Slopes:
         brightness = field * self.model[:, rows] / self.state.level[:, None, None]
         found[layout.of_frames(2)] = brightness.reshape(flat.shape)
         return found
-
-    def _geometry(self, x: NDArray[np.floating], y: NDArray[np.floating], rows: slice) -> Unknowns:
-        scale, tilt = self._by_pixel(x, y, rows)
-        return np.array([scale.sum(), tilt.sum()])
 
     def _by_pixel(
         self, x: NDArray[np.floating], y: NDArray[np.floating], rows: slice

@@ -5,13 +5,15 @@ conj(Ô⁽ᵏ⁾)/Σ|Ô|², so that
 
     σ_TF² = σ_I²·[ E_w·Σ_k |M⁽ᵏ⁾|² + Σ_{k≠l} conj(M⁽ᵏ⁾)·M⁽ˡ⁾·exp(2πi f·(x_l − x_k))·r(x_l − x_k) ],
 
-r being the window's autocorrelation and E_w = r(0) = Σ w² its energy. With n thumbnails that do
-not overlap this is σ_TF = σ_I·√E_w·√n·rms(M), and rms(M) falls as 1/n. The paper prints M/√n
-without E_w, and the mean of M for its root mean square; neighbouring windows overlap in their
-flanks, which the second sum counts.
+r being the window's autocorrelation and E_w = r(0) = Σ w² its energy. With n thumbnails that do not
+overlap this is σ_TF = σ_I·√E_w·√n·rms(M), and rms(M) falls as 1/n. The paper prints M·√n without
+E_w, and the mean of M for its root mean square; neighbouring windows overlap in their flanks, which
+the second sum counts.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,40 +31,41 @@ class RegressiveFilter:
 
     Attributes:
         thumbnails: Where the windows lie.
-        pattern: The pattern on the grid, [y, x].
-        denominator: Correlation of Σ |Ô⁽ᵏ⁾|².
-        neighbours: Correlations of Σ conj(Ô⁽ᵏ⁾)·Ô⁽ˡ⁾, l the neighbour of k at each of four sides.
+        spectra: Its thumbnails' spectra, a row of windows each.
     """
 
     thumbnails: Thumbnails
-    pattern: Map
-    denominator: Map
-    neighbours: tuple[Map, ...]
+    spectra: tuple[Complex, ...]
 
     @classmethod
     def of(cls, thumbnails: Thumbnails, pattern: Map) -> "RegressiveFilter":
-        """Prepare for a pattern."""
-        shape = (thumbnails.padded, thumbnails.padded // 2 + 1)
-        sums = np.zeros((5, *shape), np.complex128)
-        above: Complex | None = None
-        for row in thumbnails.spectra(pattern):
-            sums[0] += (np.abs(row) ** 2).sum(0)
-            sums[1] += (row[:-1].conj() * row[1:]).sum(0)
-            if above is not None:
-                sums[2] += (above[1:].conj() * row[:-1]).sum(0)
-                sums[3] += (above.conj() * row).sum(0)
-                sums[4] += (above[:-1].conj() * row[1:]).sum(0)
-            above = row
-        whole, *sides = (thumbnails.correlation(each) for each in sums)
-        return cls(thumbnails, pattern, whole, tuple(sides))
+        """Prepare for a pattern on the grid, [y, x]."""
+        return cls(thumbnails, tuple(thumbnails.spectra(pattern)))
+
+    @cached_property
+    def denominator(self) -> Map:
+        """Correlation of Σ |Ô⁽ᵏ⁾|²."""
+        power = sum((row.real**2 + row.imag**2).sum(0) for row in self.spectra)
+        return self.thumbnails.correlation(np.asarray(power))
+
+    @cached_property
+    def neighbours(self) -> tuple[Map, ...]:
+        """Correlations of Σ conj(Ô⁽ᵏ⁾)·Ô⁽ˡ⁾, l the neighbour of k at each of four sides."""
+        sums = np.zeros((4, *self.spectra[0].shape[1:]), np.complex128)
+        for row in self.spectra:
+            sums[0] += (row[:-1].conj() * row[1:]).sum(0)
+        for above, row in pairwise(self.spectra):
+            sums[1] += (above[1:].conj() * row[:-1]).sum(0)
+            sums[2] += (above.conj() * row).sum(0)
+            sums[3] += (above[:-1].conj() * row[1:]).sum(0)
+        return tuple(self.thumbnails.correlation(each) for each in sums)
 
     def numerator(self, image: Map) -> Map:
         """Return the correlation of Σ Î⁽ᵏ⁾·conj(Ô⁽ᵏ⁾)."""
         shape = (self.thumbnails.padded, self.thumbnails.padded // 2 + 1)
         total = np.zeros(shape, np.complex128)
-        rows = self.thumbnails.spectra
-        for seen, known in zip(rows(image), rows(self.pattern), strict=True):
-            total += np.einsum("kyx,kyx->yx", seen, known.conj())
+        for seen, known in zip(self.thumbnails.spectra(image), self.spectra, strict=True):
+            total += (seen * known.conj()).sum(0)
         return self.thumbnails.correlation(total)
 
     def transfer(self, numerator: Map, frequency: NDArray[np.floating]) -> Complex:
@@ -70,6 +73,15 @@ class RegressiveFilter:
         below = at_frequencies(self.denominator, frequency).real
         found: Complex = at_frequencies(numerator, frequency) / below
         return found
+
+    def printed_gain(self, frequency: NDArray[np.floating]) -> Map:
+        """Return Eq. 10 as it is printed, √n·mean |M|: for comparison."""
+        below = at_frequencies(self.denominator, frequency).real
+        mean = np.zeros(len(frequency))
+        for row, used in zip(self.spectra, self.thumbnails.used, strict=True):
+            for each in row[used]:
+                mean += np.abs(at_frequencies(self.thumbnails.correlation(each), frequency))
+        return np.asarray(mean / below / np.sqrt(self.thumbnails.count))
 
     def noise_gain(self, frequency: NDArray[np.floating]) -> Map:
         """Return σ_TF/σ_I at frequencies (n, 2), cycles per step: Eq. 10 as derived above."""

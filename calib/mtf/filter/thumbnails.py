@@ -87,7 +87,8 @@ class Thumbnails:
             made = np.zeros((len(used), self.padded, self.padded // 2 + 1), np.complex128)
             if used.any():
                 cut = row[used] * shape
-                made[used] = fft.rfft2(cut, (self.padded, self.padded), workers=_WORKERS)
+                lines = fft.rfft(cut, self.padded, axis=-1, workers=_WORKERS)
+                made[used] = fft.fft(lines, self.padded, axis=-2, workers=_WORKERS)
             yield made
 
     def correlation(self, summed: Complex) -> Map:
