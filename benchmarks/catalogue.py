@@ -6,16 +6,12 @@ from benchmarks import (
     apply,
     calibration,
     line_fit,
-    mtf,
     pairs,
     recording,
     simulation,
     sums,
-    two_exposures,
-    recording,
-    simulation,
-    sums,
     transfer_function,
+    two_exposures,
 )
 from benchmarks.row import Row
 from benchmarks.size import Size

@@ -30,7 +30,7 @@ from calib.mtf.simulation.bench import Bench
 from calib.mtf.simulation.detector import DetectorNoise
 from calib.mtf.simulation.response import centred
 from calib.mtf.simulation.shapes import Shape, square, truncated_corner
-from calib.radiometric.report.style import BLUE, GREY, ORANGE, house_style, new_figure
+from calib.report.style import BLUE, GREY, ORANGE, house_style, new_figure
 
 SCAN = Scan(25.0, 1, 6)
 ORDERS_24, ORDERS_48 = Grating(650, 500.0), Grating(5525, 2 * 5525**0.5 / 0.120)

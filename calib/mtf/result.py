@@ -12,8 +12,8 @@ from calib.mtf.estimate import TransferMap
 from calib.mtf.figures_of_merit import PER_MM, Cut, at_nyquist, cuts, first_zero
 from calib.mtf.findings import stage_outliers, stage_rms_um, warnings
 from calib.mtf.measure import Measurement
-from calib.radiometric.coefficients import content_addressed
 from calib.radiometric.coefficients.transfer_reference import TransferReference
+from calib.recording import content_addressed
 from calib.transfer.estimate import Estimate
 
 FORMAT = "darkflat pixel transfer function 1"

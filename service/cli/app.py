@@ -12,8 +12,8 @@ from service.cli.commands.demo import demo
 from service.cli.commands.doctor import doctor
 from service.cli.commands.export import export
 from service.cli.commands.import_folder import import_folder
-from service.cli.commands.photon_transfer import photon_transfer
 from service.cli.commands.mtf import mtf
+from service.cli.commands.photon_transfer import photon_transfer
 from service.cli.commands.serve import serve
 from service.cli.commands.simulate import simulate
 from service.cli.commands.spectral_response import spectral_response

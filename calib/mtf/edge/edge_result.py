@@ -9,7 +9,7 @@ import numpy as np
 
 from calib.mtf.edge.slanted_edge import EdgeTransfer, Vector, slanted_edge
 from calib.mtf.figures_of_merit import PER_MM
-from calib.radiometric.coefficients import content_addressed
+from calib.recording import content_addressed
 
 FORMAT = "darkflat edge transfer function 1"
 

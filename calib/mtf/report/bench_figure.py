@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from calib.mtf.findings import stage_outliers
 from calib.mtf.result import TransferResult
-from calib.radiometric.report.style import GREY, INK, new_figure
+from calib.report.style import GREY, INK, new_figure
 
 
 def bench_figure(result: TransferResult) -> Figure:

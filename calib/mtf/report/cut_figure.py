@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from calib.mtf.figures_of_merit import PER_MM, Cut
 from calib.mtf.result import TransferResult
-from calib.radiometric.report.style import BLUE, GREY, ORANGE, new_figure
+from calib.report.style import BLUE, GREY, ORANGE, new_figure
 
 
 def cut_figure(result: TransferResult) -> Figure:

@@ -7,7 +7,7 @@ from matplotlib.patches import Rectangle
 
 from calib.mtf.figures_of_merit import PER_MM
 from calib.mtf.result import TransferResult
-from calib.radiometric.report.style import INK, new_figure
+from calib.report.style import INK, new_figure
 
 _FREQUENCY = {"xlabel": "fx, along columns (1/mm)", "ylabel": "fy, along rows (1/mm)"}
 

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from calib.mtf.report import bench_figure, cut_figure, maps
 from calib.mtf.result import TransferResult
-from calib.radiometric.report import style
 from calib.recording.durable import write_whole
+from calib.report import style
 from calib.transfer.estimate import Estimate
 
 CAPTIONS = {

@@ -17,8 +17,8 @@ from calib.errors import InputError
 from calib.radiometric.coefficients.coefficient_metadata import from_metadata, to_metadata
 from calib.radiometric.coefficients.column_state import ColumnState
 from calib.radiometric.coefficients.provenance import Domain, Provenance
-from calib.recording import content_addressed
 from calib.radiometric.coefficients.transfer_reference import TransferReference
+from calib.recording import content_addressed
 from calib.recording.header import CameraHeader
 
 

@@ -57,10 +57,10 @@ def mtf(
         from calib.mtf.reading import read_toml  # noqa: PLC0415
         from calib.recording.durable import refuse_existing  # noqa: PLC0415
         from service.cli.mtf_work import of_edge, of_grating  # noqa: PLC0415
-        from service.cli.set_output import check_folder_of  # noqa: PLC0415
+        from service.cli.set_output import check_report  # noqa: PLC0415
 
         refuse_existing(out)
-        check_folder_of(report)
+        check_report(report)
         read = read_toml(folder)
         if read.edge is not None:
             told = of_edge(folder, read, out, report=report, coefficient_set=coefficient_set)
