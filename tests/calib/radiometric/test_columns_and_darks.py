@@ -6,7 +6,12 @@ from numpy.typing import NDArray
 
 from calib.radiometric.coefficients.column_state import ColumnState
 from calib.radiometric.coefficients.provenance import Provenance
+from calib.radiometric.estimation.block_noise import BlockNoise
+from calib.radiometric.estimation.block_table import BlockTable
+from calib.radiometric.estimation.dark_comparison import compare_darks
+from calib.radiometric.estimation.dark_current import DarkCurrent
 from calib.radiometric.estimation.from_statistics import Determined, determine
+from calib.radiometric.estimation.noise_model import NoiseModel
 from calib.recording.block_statistics import BlockStatistics, RecordingStatistics
 from tests.calib.radiometric.simulated import Bench, draw
 
@@ -208,3 +213,23 @@ def test_with_few_darks_and_line_noise_they_differ_by_two_sigma_once_in_twenty(
     found = [determined(bench, draw(bench, rng).statistics).darks for _ in range(n)]
     within = [abs(d.significance_sigma) < 2 for d in found if d is not None]
     assert np.mean(within) > 0.9545 - 4 * np.sqrt(0.9545 * 0.0455 / n)
+
+
+def test_darks_of_one_exposure_err_together_by_the_blocks_common_offset() -> None:
+    bench, n, z = replace(BENCH, line_noise_dn=2.0, darks=6), 400, []
+    of_block = BlockNoise(2.0**2 / bench.lines, 1000, 1.0)
+    for rng in np.random.default_rng().spawn(n):
+        drawn = draw(bench, rng)
+        found = compare_darks(
+            BlockTable.of_kind(drawn.statistics.fit, "dark"),
+            NoiseModel(bench.gain, bench.read_dn**2 + bench.line_noise_dn**2, 0.0, 0.0),
+            DarkCurrent.none(bench.n),
+            offset_dn=drawn.offset,
+            shared_offset_variance=0.0,
+            block_noise=of_block,
+            valid=np.ones(bench.n, np.bool_),
+        )
+        assert found is not None
+        z.append(found.significance_sigma)
+    assert abs(np.mean(z)) < 4 / np.sqrt(n)
+    assert abs(np.std(z) - 1) < 4 / np.sqrt(2 * n)

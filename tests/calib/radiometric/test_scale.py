@@ -160,3 +160,9 @@ def test_the_reference_is_not_taken_for_exact() -> None:
     # Levels that scatter by what the camera adds: a normal number, by Wilson and Hilferty.
     assert abs(np.mean(sigma)) < 4 / np.sqrt(500)
     assert abs(np.std(sigma) - 1) < 4 / np.sqrt(2 * 500)
+
+
+def test_of_one_level_the_slopes_own_error_is_the_scales() -> None:
+    noisy = replace(QUIET, mean_slope=2.0, by_source=np.diag([0.0, 4e-4, 0.0, 0.0, 0.0]))
+    scale = radiance_scale(groups([12.5, np.nan, np.nan, np.nan]), RELATIVE, noisy, 0.0)
+    assert scale.by_source_unrest == pytest.approx(0.02 / 2.0)

@@ -109,3 +109,12 @@ def test_at_the_axis_it_is_uncertain_by_what_the_maximum_of_a_noisy_profile_is_t
     # 3β² is the mean of a squared chi-squared of one degree of freedom, whose variance is 96/9.
     assert abs(np.mean(square) - 1) < 4 * np.sqrt(96 / 9 / n)
     assert np.mean(square) > 0.3
+
+
+def test_what_shifts_all_slopes_alike_bends_the_vignette() -> None:
+    truth, shift = smooth_profile(512), 1e-4
+    plain = normalise(fit_profile(truth, QUIET, NO_TAPS, order=4), QUIET, 0.0, shift)
+    shifted = normalise(fit_profile(truth + shift, QUIET, NO_TAPS, order=4), QUIET, 0.0)
+    away = np.abs(shifted.values / plain.values - 1.0)
+    assert plain.offset_relative_std.max() > 0.5 * shift
+    np.testing.assert_allclose(away, plain.offset_relative_std, atol=4 * shift**2)
