@@ -112,6 +112,24 @@ def test_noise_is_as_predicted_within_5_percent_over_100_runs(grid: Oversampled)
     assert abs(measured / predicted - 1) < 0.05
 
 
+def test_noise_is_exactly_that_of_the_sum_over_overlapping_windows(grid: Oversampled) -> None:
+    thumbnails = Thumbnails(WINDOW, grid.covered, most=12)
+    filtering = RegressiveFilter.of(thumbnails, grid.pattern)
+    frequency = disc(ORDERS_24, grid, 5)
+    size, shape = len(WINDOW.values), np.multiply.outer(WINDOW.values, WINDOW.values)
+    y, x = np.mgrid[:size, :size]
+    expected = []
+    for fx, fy in frequency:
+        turn = shape * np.exp(-2j * np.pi * (fx * x + fy * y))
+        weight, total = np.zeros(grid.image.shape, np.complex128), 0.0
+        for j, i in np.argwhere(thumbnails.used) * thumbnails.step:
+            known = (grid.pattern[j : j + size, i : i + size] * turn).sum()
+            weight[j : j + size, i : i + size] += known.conj() * turn
+            total += abs(known) ** 2
+        expected.append(np.sqrt((np.abs(weight) ** 2).sum()) / total)
+    np.testing.assert_allclose(filtering.noise_gain(frequency), expected, rtol=1e-8)
+
+
 def test_noise_is_linear_in_the_image_s(grid: Oversampled) -> None:
     filtering = RegressiveFilter.of(Thumbnails(WINDOW, grid.covered, 20), grid.pattern)
     frequency, noise = disc(ORDERS_24, grid), default_rng().normal(size=grid.image.shape)

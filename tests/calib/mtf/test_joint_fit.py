@@ -92,6 +92,24 @@ def test_a_pixel_s_gain_is_found_pixel_by_pixel() -> None:
     assert (error**2).mean() < 0.05 * (fit.gain**2).mean()
 
 
+def test_light_that_changes_between_frames_is_estimated() -> None:
+    rng = default_rng()
+    case = record(rng, SHAPE, scan=SMALL, grating=ORDERS_12, detector=READ_NOISE)
+    level = 1 + 0.03 * rng.normal(size=SMALL.positions)
+    images = case.scan.images * level[:, None, None]
+    fit = joint_fit(
+        ScanImages.whole(SMALL, ORDERS_12, images), coarse_alignment(case.scan).alignment
+    )
+    at = fit.state.layout.of_frames(2)
+    std = np.sqrt(np.diag(fit.covariance)[at]).mean()
+    found, true = fit.state.level / fit.state.level.mean(), level / level.mean()
+    assert np.abs(found - true).max() < 5 * std < 0.01
+    z = (fit.transfer - case.transfer(fit)).real / np.sqrt(np.diag(fit.transfer_covariance))[
+        : len(fit.transfer)
+    ]
+    assert np.abs(z).max() < 5
+
+
 @pytest.mark.parametrize("value", [0.0, 65535.0, 4e6])
 def test_odd_pixels_are_left_out_and_do_no_harm(value: float) -> None:
     rng = default_rng()
