@@ -29,7 +29,9 @@ def good_pixels(residual: Frames, model: Frames) -> NDArray[np.bool_]:
     """
     floor = (_ROUND_OFF * np.abs(model).mean()) ** 2
     power = (residual * residual).mean(0)
-    good: NDArray[np.bool_] = power <= _TIMES_MEDIAN**2 * np.median(power) + floor
+    light = (model * model).mean(0)
+    brighter = np.maximum(light / np.median(light), 1)  # gain scatter grows with a pixel's light
+    good: NDArray[np.bool_] = power <= _TIMES_MEDIAN**2 * brighter * np.median(power) + floor
     dof = len(residual) - 2
     if dof < 2:
         return good
