@@ -12,6 +12,7 @@ about their mean are taken, by tap: what the frames have in common is seen in th
 Threads are Python's: the kernels release the interpreter, and every thread takes its own pixels.
 """
 
+from collections import deque
 from concurrent.futures import Executor
 from dataclasses import replace
 
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 
 from calib.arrays import RawLines
 from calib.errors import InputError
+from calib.kernels.in_parts import in_parts
 from calib.kernels.pixel_sums import Moments, PixelSums, most_frames
 
 FRAMES_AT_ONCE = 8
@@ -118,10 +120,14 @@ def central_moments(sums: PixelSums) -> Moments:
 
     k₃ = n·Σ(x−m)³ / ((n−1)(n−2)); its rounding error is below 10⁻¹⁵ of Σ|x−c|³ + Σ(x−c)².
     """
-    mean, variance, third = (np.full(sums.codes.size, np.nan) for _ in range(3))
-    if sums.n_frames:
-        _moments(sums.n_frames, sums.codes, sums.squares, sums.cubes, mean, variance, third)
-    return Moments(mean, variance, third)
+    each = (sums.codes, sums.squares, sums.cubes)
+    moments = tuple(np.empty(sums.codes.size) for _ in range(3))
+
+    def fill(some: slice) -> None:
+        _moments(sums.n_frames, *(array[some] for array in (*each, *moments)))
+
+    deque(in_parts(sums.codes.size, fill), maxlen=0)
+    return Moments(*moments)
 
 
 @njit(cache=True, nogil=True)
@@ -228,6 +234,13 @@ def _sum_of_spread(spread, mask):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _moments(n, codes, squares, cubes, mean, variance, third):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
+    if n < 3:
+        third[:] = np.nan
+    if n < 2:
+        variance[:] = np.nan
+    if n < 1:
+        mean[:] = np.nan
+        return
     count = uint64(n)
     for i in range(len(codes)):
         # The sum of codes itself fits: n is below 2⁴⁷.

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.kernels.pixel_sums import Pixels
 from calib.transfer.two_exposures.frame_series import FrameSeries
 
 SEEN_SIGMA = 3.0
@@ -74,12 +73,12 @@ class CommonMode:
         """a, DN²."""
         return self.excess_dn2[0] - self.flicker_relative2 * self.mean_signal_dn**2
 
-    def in_variance(self, exposure: int, signal_dn: Pixels) -> Pixels:
-        """Return what is in the variance of pixels of that q (of the first exposure), DN²."""
+    def in_variance(self, exposure: int) -> tuple[float, float]:
+        """Return a and b, a + bq² being in the variance of pixels of that q (of t), DN²."""
         excess, share = self.excess_dn2[exposure], self._flicker_share(exposure)
         if share == 0.0:
-            return np.full_like(signal_dn, excess)
-        return np.asarray(excess * (1.0 - share + share * (signal_dn / self.mean_signal_dn) ** 2))
+            return excess, 0.0
+        return excess * (1.0 - share), excess * share / self.mean_signal_dn**2
 
     def variance_std(self, exposure: int, mean_square_dn2: float) -> float:
         """Return the uncertainty of what is taken off the mean variance of pixels of that q², DN².

@@ -6,8 +6,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.kernels.exposure_arrays import ExposureArrays, PairArrays
 from calib.kernels.pixel_moments import central_moments
 from calib.kernels.pixel_sums import Pixels, PixelSums
+from calib.kernels.unclipped_sums import UnclippedSums, unclipped_sums
+
+EVERY = slice(None)
 
 
 @dataclass(frozen=True)
@@ -69,6 +73,14 @@ class ExposureMoments:
             self.at_full_scale[pixels],
         )
 
+    def arrays(self, pixels: slice = EVERY) -> ExposureArrays:
+        """Return what compiled loops take of some pixels."""
+        part = self.at(pixels)
+        each = (part.mean_dn, part.variance_dn2, part.third_dn3, part.at_zero, part.at_full_scale)
+        return ExposureArrays(
+            float(self.n_frames), float(self.n_free), *map(np.ascontiguousarray, each)
+        )
+
 
 @dataclass(frozen=True)
 class ExposurePair:
@@ -108,19 +120,29 @@ class ExposurePair:
         It stands in for each pixel's own gain in the small terms of the errors (third and higher
         cumulants), where the pixel's own would bring its noise along.
         """
-        unclipped = self.unclipped
-        total = float(np.sum(self.difference_dn[unclipped]))
-        shot = float(np.sum(self.variance_difference_dn2[unclipped]))
-        return max(shot / total, 0.0) if total > 0 else 0.0
+        (m1, m2), (v1, v2) = self.unclipped_sums.means_dn, self.unclipped_sums.variances_dn2
+        return max((v2 - v1) / (m2 - m1), 0.0) if m2 > m1 else 0.0
+
+    @cached_property
+    def unclipped_sums(self) -> UnclippedSums:
+        """Sums over the pixels of which no sample clips, and how many others there are."""
+        return unclipped_sums(self.arrays(0.0))
 
     @cached_property
     def unclipped(self) -> NDArray[np.bool_]:
         """Pixels of which no sample clips, (n_pixels,)."""
-        clipped = [e.at_zero + e.at_full_scale for e in (self.first, self.second)]
-        return np.equal(clipped[0] + clipped[1], 0)
+        clipped = self.first.at_zero | self.first.at_full_scale
+        clipped |= self.second.at_zero
+        clipped |= self.second.at_full_scale
+        return np.asarray(clipped == 0)
 
     def at(self, pixels: slice | NDArray[np.bool_]) -> "ExposurePair":
         """Return the pair of some pixels."""
         return ExposurePair(
             self.first.at(pixels), self.second.at(pixels), self.ratio, self.ratio_std
         )
+
+    def arrays(self, gain_dn_per_e: float, pixels: slice = EVERY) -> PairArrays:
+        """Return what compiled loops take of some pixels; the gain is for higher cumulants."""
+        one, two = self.first.arrays(pixels), self.second.arrays(pixels)
+        return PairArrays(one, two, self.ratio, self.ratio_std, gain_dn_per_e)

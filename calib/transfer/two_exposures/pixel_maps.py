@@ -10,13 +10,15 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.kernels.in_parts import in_parts
 from calib.kernels.pixel_sums import Pixels
 from calib.recording import content_addressed
 from calib.transfer.two_exposures.exposure_pair import ExposurePair
-from calib.transfer.two_exposures.in_parts import in_parts
-from calib.transfer.two_exposures.pixel_state import PixelState
+from calib.transfer.two_exposures.pixel_state import STATE_CODES, PixelState
 
 Method = Literal["sanuc", "s3nuc"]
+ROUNDING_DN2 = 1.0 / 12.0
+"""Sheppard's correction: what rounding to whole codes adds to a variance."""
 FORMAT = "darkflat two-exposure maps 1"
 
 
@@ -95,15 +97,20 @@ class PixelMaps:
         return content_addressed.write(Path(path), arrays, _finite(metadata))
 
 
-def by_pixel(pair: ExposurePair, estimate: Callable[[ExposurePair, float], PixelMaps]) -> PixelMaps:
-    """Return `estimate` of all pixels, some at a time, so that memory is that of the maps."""
+def by_pixel(pair: ExposurePair, fill_maps: Callable[..., None]) -> PixelMaps:
+    """Return the maps that a compiled loop fills, some pixels at a time, on all cores.
+
+    Args:
+        pair: Both exposures.
+        fill_maps: Takes `PairArrays`, `ROUNDING_DN2`, `STATE_CODES`, the maps in their order
+            without the last, and that, the reason.
+    """
     gain, maps = pair.ratio_of_sums, PixelMaps.empty(pair.n_pixels)
+    *values, reason = (getattr(maps, field.name) for field in fields(PixelMaps))
 
     def fill(some: slice) -> None:
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            part = estimate(pair.at(some), gain)
-        for field in fields(PixelMaps):
-            getattr(maps, field.name)[some] = getattr(part, field.name)
+        part = tuple(each[some] for each in values)
+        fill_maps(pair.arrays(gain, some), ROUNDING_DN2, STATE_CODES, part, reason[some])
 
     deque(in_parts(pair.n_pixels, fill), maxlen=0)
     return maps

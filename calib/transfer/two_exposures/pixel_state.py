@@ -2,6 +2,8 @@
 
 from enum import IntEnum
 
+from calib.kernels.pixel_states import StateCodes
+
 RESPONSE_SIGMA = 3.0
 """D₂ − D₁ has to exceed so many of its standard uncertainties: the gain is divided by it."""
 SHOT_NOISE_SIGMA = 1.0
@@ -24,3 +26,16 @@ class PixelState(IntEnum):
     """σ₂² ≤ σ₁² within their noise, or not above it: the ratio that the photo-electrons are has
     no usable error. The gain is told (it may be negative); photo-electrons are not; of bias and
     read noise SANUC tells both, S3NUC, which divides by the gain, neither."""
+
+
+STATE_CODES = StateCodes(
+    valid=int(PixelState.VALID),
+    at_zero=int(PixelState.CLIPPED_AT_ZERO),
+    at_full_scale=int(PixelState.CLIPPED_AT_FULL_SCALE),
+    dead=int(PixelState.DEAD),
+    no_response=int(PixelState.NO_RESPONSE),
+    no_shot_noise=int(PixelState.NO_SHOT_NOISE),
+    response_sigma=RESPONSE_SIGMA,
+    shot_noise_sigma=SHOT_NOISE_SIGMA,
+)
+"""What the compiled loops are told of it."""

@@ -15,18 +15,16 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.errors import NotDeterminedError
+from calib.kernels.pooled_sums import GAIN, WEIGHT
 from calib.transfer.estimate import Estimate
 from calib.transfer.two_exposures.common_mode import CommonMode
-from calib.transfer.two_exposures.exposure_pair import ExposurePair
 from calib.transfer.two_exposures.frame_series import FrameSeries
-from calib.transfer.two_exposures.pixel_maps import Method
+from calib.transfer.two_exposures.pixel_maps import ROUNDING_DN2, Method
 from calib.transfer.two_exposures.pooled_moments import PooledMoments, pooled_moments
 from calib.transfer.two_exposures.propagation import Vector, propagate
-from calib.transfer.two_exposures.sanuc import ROUNDING_DN2
-from calib.transfer.two_exposures.weights import Weights
+from calib.transfer.two_exposures.tap_sums import TapSums
 
 FEWEST_PIXELS = 16
 SEEN_SIGMA = 3.0
@@ -69,33 +67,28 @@ class PooledEstimates:
 
 
 def pooled(
-    pair: ExposurePair,
-    weights: Weights,
-    members: NDArray[np.bool_],
-    series: list[FrameSeries],
-    method: Method = "sanuc",
+    sums: TapSums, of_tap: int, series: list[FrameSeries], method: Method = "sanuc"
 ) -> PooledEstimates:
     """Return the estimates over the pixels that have weights.
 
     Args:
-        pair: Both exposures.
-        weights: (n_pixels,).
-        members: The pixels that `series` is over, (n_pixels,).
-        series: Frame means of the first and of the second exposure.
+        sums: Of all pixels.
+        of_tap: One tap, or `ALL_TAPS`.
+        series: Frame means of the first and of the second exposure, over the tap's pixels.
         method: Which equations.
 
     Raises:
         NotDeterminedError: `too-few-pixels`.
     """
-    n_pixels = int(np.count_nonzero(weights.even))
-    if n_pixels < FEWEST_PIXELS or not np.any(weights.gain):
+    n_pixels = sums.n_usable(of_tap)
+    if n_pixels < FEWEST_PIXELS or not sums.over(of_tap)[GAIN, WEIGHT] > 0:
         message = f"only {n_pixels} usable pixels, of which pooled estimates need {FEWEST_PIXELS}"
         raise NotDeterminedError(f"{message} with light: brighten it", code="too-few-pixels")
-    moments = pooled_moments(pair, weights, members, series)
-    values = np.array([*moments.values.ravel(), pair.ratio])
+    moments = pooled_moments(sums, of_tap, series)
+    values = np.array([*moments.values.ravel(), sums.pair.ratio])
     covariance = np.zeros((11, 11))
     covariance[:5, :5], covariance[5:10, 5:10] = moments.covariance
-    covariance[10, 10] = pair.ratio_std**2
+    covariance[10, 10] = sums.pair.ratio_std**2
     function = _sanuc if method == "sanuc" else _s3nuc
     with np.errstate(all="ignore"):
         found, of_found = propagate(function, values, covariance)

@@ -7,23 +7,34 @@ the offset and the flicker of `common_mode` in the means, and in the variances t
 scatter from eight frames to the next over what independent pixels would show (`dispersion`).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from calib.kernels.pixel_sums import Pixels
+from calib.kernels.pooled_sums import (
+    EVEN,
+    GAIN,
+    MEAN_1,
+    MEAN_2,
+    MEMBERS,
+    READ,
+    SIGNAL,
+    SIGNAL_2,
+    THIRD_1,
+    VARIANCE_1,
+    VARIANCE_2,
+    WEIGHT,
+)
 from calib.transfer.two_exposures.common_mode import CommonMode
-from calib.transfer.two_exposures.exposure_pair import ExposureMoments, ExposurePair
+from calib.transfer.two_exposures.exposure_pair import ExposurePair
 from calib.transfer.two_exposures.frame_series import FrameSeries
-from calib.transfer.two_exposures.in_parts import in_parts
-from calib.transfer.two_exposures.sampling import SamplingCovariance, sampling_covariances
-from calib.transfer.two_exposures.weights import Weights
+from calib.transfer.two_exposures.tap_sums import TapSums
 
 MEAN_BY_GAIN, VARIANCE_BY_GAIN, MEAN, VARIANCE_BY_READ, THIRD = range(5)
 _MEANS, _VARIANCES = (MEAN_BY_GAIN, MEAN), (VARIANCE_BY_GAIN, VARIANCE_BY_READ)
-_COVARIANCE_OF = 1 << 19  # pixels tell the errors to well under 1 %
+_ROWS = [GAIN, GAIN, EVEN, READ, EVEN]  # the weights of the five
 CHANCE = 1e-3
 """A dispersion that chance gives more rarely than this is counted."""
 
@@ -46,61 +57,39 @@ class PooledMoments:
     common: CommonMode
 
 
-def pooled_moments(
-    pair: ExposurePair, weights: Weights, members: NDArray[np.bool_], series: list[FrameSeries]
-) -> PooledMoments:
+def pooled_moments(sums: TapSums, of_tap: int, series: list[FrameSeries]) -> PooledMoments:
     """Return the means over the pixels that have weights.
 
     Args:
-        pair: Both exposures.
-        weights: (n_pixels,).
-        members: The pixels that `series` is over, whether they count or not, (n_pixels,).
-        series: Frame means of the first and of the second exposure.
+        sums: Of all pixels.
+        of_tap: One tap, or `ALL_TAPS`.
+        series: Frame means of the first and of the second exposure, over the tap's pixels.
     """
-    w = np.stack([weights.gain, weights.read, weights.even])
-    w = (w / w.sum(axis=1, keepdims=True))[[0, 0, 2, 1, 2]]
-    gain, common = pair.ratio_of_sums, _common_mode(pair, members, series)
-
-    every = -(-pair.n_pixels // _COVARIANCE_OF)
-
-    def sums(some: slice) -> tuple[NDArray[np.float64], ...]:
-        of, lit = w[:, some], weights.signal_dn[some]
-        part = _without(common, pair.at(some), lit)
-        few = part.at(slice(None, None, every))
-        covs = sampling_covariances(few, gain)
-        counted = members[some][::every]
-        return (
-            np.stack([_values(moments, of) for moments in (part.first, part.second)]),
-            every * np.stack([_covariance(cov, of[:, ::every]) for cov in covs]),
-            every * np.array([np.sum(cov.variance[counted]) for cov in covs]),
-            np.einsum("ki,i->k", of, lit),
-            np.einsum("ki,i,i->k", of, lit, lit),
-            np.array([_powers(e.variance_dn2[counted]) for e in (few.first, few.second)]),
-        )
-
-    parts = zip(*in_parts(pair.n_pixels, sums), strict=True)
-    values, covariance, scatter, signal, square, powers = (sum(each) for each in parts)
-    own = _own_share(pair, common, powers)
-    scatter = scatter * own
-    dispersion = _dispersion(pair, scatter, series)
+    pair, total = sums.pair, sums.over(of_tap)
+    common = _common_mode(pair, total[MEMBERS], series)
+    in_variance = common.in_variance(0), common.in_variance(1)
+    covariance, powers = sums.covariance(of_tap, in_variance)
+    mean = total / total[:, WEIGHT, None]
+    weight = total[_ROWS, WEIGHT]
+    covariance = covariance / np.outer(weight, weight)
+    signal, square = mean[_ROWS, SIGNAL], mean[_ROWS, SIGNAL_2]
+    own = _own_share(pair, common, powers[:, 1:])
+    dispersion = _dispersion(pair, powers[:, 0] * own, series)
     for a, moments in enumerate((pair.first, pair.second)):
         _add_variances(covariance[a], common, a, square, dispersion[a] * own[a])
         _add_means(covariance[a], common, a, signal, moments.n_frames)
+    values = np.stack([_values(mean, a, in_variance[a]) for a in (0, 1)])
     return PooledMoments(values, covariance, dispersion, common)
 
 
-def _without(common: CommonMode, pair: ExposurePair, signal_dn: Pixels) -> ExposurePair:
-    """Return the pair with the common mode taken off the variances."""
-    first, second = (
-        replace(e, variance_dn2=e.variance_dn2 - common.in_variance(a, signal_dn))
-        for a, e in enumerate((pair.first, pair.second))
-    )
-    return replace(pair, first=first, second=second)
-
-
-def _powers(variance: Pixels) -> tuple[float, float]:
-    """Return Σv and Σv²."""
-    return float(np.sum(variance)), float(np.einsum("i,i", variance, variance))
+def _values(
+    mean: NDArray[np.float64], exposure: int, in_variance: tuple[float, float]
+) -> NDArray[np.float64]:
+    """Return the five of an exposure, without the common mode."""
+    m, v, t = MEAN_1 + exposure, VARIANCE_1 + exposure, THIRD_1 + exposure
+    taken = in_variance[0] + in_variance[1] * mean[:, SIGNAL_2]
+    own = mean[:, v] - taken
+    return np.array([mean[GAIN, m], own[GAIN], mean[EVEN, m], own[READ], mean[EVEN, t]])
 
 
 def _own_share(
@@ -118,35 +107,13 @@ def _own_share(
     return np.asarray(np.maximum(1.0 - crossed, 0.1))
 
 
-def _values(moments: ExposureMoments, w: NDArray[np.float64]) -> NDArray[np.float64]:
-    m, v, t = moments.mean_dn, moments.variance_dn2, moments.third_dn3
-    return np.array([np.einsum("i,i", row, x) for row, x in zip(w, (m, v, m, v, t), strict=True)])
-
-
-def _covariance(cov: SamplingCovariance, w: NDArray[np.float64]) -> NDArray[np.float64]:
-    kinds = "mvmvt"
-    of = {
-        "mm": cov.mean,
-        "mv": cov.mean_variance,
-        "vv": cov.variance,
-        "mt": cov.mean_third,
-        "tv": cov.variance_third,
-        "tt": cov.third,
-    }
-    total = np.zeros((5, 5))
-    for k in range(5):
-        for j in range(k, 5):
-            both = of["".join(sorted(kinds[k] + kinds[j]))]
-            total[k, j] = total[j, k] = float(np.einsum("i,i,i", w[k], w[j], both))
-    return total
-
-
 def _common_mode(
-    pair: ExposurePair, members: NDArray[np.bool_], series: list[FrameSeries]
+    pair: ExposurePair, members: NDArray[np.float64], series: list[FrameSeries]
 ) -> CommonMode:
-    first, second = (float(np.mean(e.variance_dn2[members])) for e in (pair.first, pair.second))
-    signal = float(np.mean(pair.difference_dn[members])) / (pair.ratio - 1.0)
-    return CommonMode.of(series[0], series[1], (first, second), signal, pair.ratio)
+    mean = members / members[WEIGHT]
+    variances = float(mean[VARIANCE_1]), float(mean[VARIANCE_2])
+    signal = float(mean[MEAN_2] - mean[MEAN_1]) / (pair.ratio - 1.0)
+    return CommonMode.of(series[0], series[1], variances, signal, pair.ratio)
 
 
 def _dispersion(

@@ -37,11 +37,11 @@ def findings(
     """Yield everything that does not hold."""
     yield from doubling_findings(choice, method)
     yield from clipping_findings(pair)
-    unclipped = pair.unclipped
-    if not unclipped.any():
+    seen = pair.unclipped_sums
+    if not seen.n_pixels:
         return
-    shot = float(np.mean(pair.variance_difference_dn2[unclipped]))
-    signal = float(np.mean(pair.difference_dn[unclipped])) / (pair.ratio - 1.0)
+    shot = (seen.variances_dn2[1] - seen.variances_dn2[0]) / seen.n_pixels
+    signal = (seen.means_dn[1] - seen.means_dn[0]) / seen.n_pixels / (pair.ratio - 1.0)
     n_pixels = pair.n_pixels
     for exposure, lit in zip(read, (signal, pair.ratio * signal), strict=True):
         for series in exposure.series:
@@ -79,11 +79,9 @@ def doubling_findings(choice: Choice, method: Method) -> Iterator[Finding]:
 
 def clipping_findings(pair: ExposurePair) -> Iterator[Finding]:
     """Yield which share of the pixels clips, at either end, at either exposure."""
-    for where, counts in (
-        ("full scale", pair.first.at_full_scale + pair.second.at_full_scale),
-        ("code 0", pair.first.at_zero + pair.second.at_zero),
-    ):
-        share = float(np.mean(counts > 0))
+    seen = pair.unclipped_sums
+    for where, n in (("full scale", seen.n_at_full_scale), ("code 0", seen.n_at_zero)):
+        share = n / pair.n_pixels
         if share > CLIPPED_NOTED:
             yield Finding(
                 "clipped",
@@ -114,8 +112,8 @@ def frames_needed(pair: ExposurePair) -> int:
     n = 1 + 2(σ₁⁴ + σ₂⁴)/(V·u)² with u = 1/3, from means over the pixels; 91 in the limit of shot
     noise. 0 where no shot noise is seen.
     """
-    some = pair.unclipped
-    one, two = (float(np.mean(e.variance_dn2[some])) for e in (pair.first, pair.second))
+    seen = pair.unclipped_sums
+    one, two = (each / max(seen.n_pixels, 1) for each in seen.variances_dn2)
     if not two > one:
         return 0
     return 1 + int(np.ceil(2.0 * (one**2 + two**2) / ((two - one) * USABLE_RELATIVE_STD) ** 2))

@@ -36,17 +36,22 @@ class PatternChange:
     std_dn2: float
 
 
+def looked_at(n_pixels: int) -> slice:
+    """Return the pixels whose change is looked at: all, or every so many of a large sensor."""
+    return slice(None, None, -(-n_pixels // _MOST_PIXELS))
+
+
 def pattern_change(
     block: str, sums: PixelSums, early_codes: NDArray[np.uint64], moments: ExposureMoments
 ) -> PatternChange:
-    """Compare early with late, on every pixel or on every so many of a large sensor."""
+    """Compare early with late on the pixels `looked_at`, of which alone `early_codes` are."""
     n, k = sums.n_frames, FRAMES_AT_ONCE
     if n < 2 * k:
         return PatternChange(block, float("nan"), float("nan"))
-    some = slice(None, None, -(-moments.mean_dn.size // _MOST_PIXELS))
+    some = looked_at(moments.mean_dn.size)
     usable = (moments.at_zero[some] == 0) & (moments.at_full_scale[some] == 0)
-    early = early_codes[some][usable] / k
-    late = (sums.codes[some][usable] - early_codes[some][usable]) / (n - k)
+    early = early_codes[usable] / k
+    late = (sums.codes[some][usable] - early_codes[usable]) / (n - k)
     variance = moments.variance_dn2[some][usable] * (1.0 / k + 1.0 / (n - k))
     if early.size < k:
         return PatternChange(block, float("nan"), float("nan"))

@@ -16,7 +16,7 @@ from calib.recording.protocol import Recording
 from calib.recording.statistics import CancelledError
 from calib.transfer.two_exposures.exposure_pair import ExposureMoments
 from calib.transfer.two_exposures.frame_series import BlockSeries
-from calib.transfer.two_exposures.static_scene import PatternChange, pattern_change
+from calib.transfer.two_exposures.static_scene import PatternChange, looked_at, pattern_change
 
 FEWEST_FRAMES = 3
 """Of a block; a third moment needs as many."""
@@ -84,7 +84,7 @@ def _accumulated(
     done: Callable[[float], None],
     cancelled: Callable[[], bool],
 ) -> tuple[PixelAccumulator, NDArray[np.uint64]]:
-    """Return all frames' sums, and the sums of codes over the first eight frames alone."""
+    """Return all frames' sums, and some pixels' (`looked_at`) over the first eight alone."""
     early: NDArray[np.uint64] | None = None
     n_frames = 0
     with ThreadPoolExecutor(2) as pool:
@@ -97,7 +97,8 @@ def _accumulated(
             rest = frames
             if early is None:
                 accumulator.add(frames[:FRAMES_AT_ONCE])
-                early, rest = accumulator.sums.codes.copy(), frames[FRAMES_AT_ONCE:]
+                early = accumulator.sums.codes[looked_at(tap_of_pixel.size)].copy()
+                rest = frames[FRAMES_AT_ONCE:]
             if len(rest):
                 accumulator.add(rest)
             n_frames += len(frames)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.kernels.pooled_sums import ALL_TAPS, MEMBERS, WEIGHT
 from calib.recording.header import CameraHeader
 from calib.recording.protocol import Recording
 from calib.recording.statistics import Progress, never
@@ -23,6 +24,7 @@ from calib.transfer.two_exposures.s3nuc import s3nuc
 from calib.transfer.two_exposures.sanuc import sanuc
 from calib.transfer.two_exposures.stream import ReadExposure, read_exposure
 from calib.transfer.two_exposures.tap_map import image_shape, tap_of_pixel
+from calib.transfer.two_exposures.tap_sums import TapSums
 from calib.transfer.two_exposures.weights import weights
 
 
@@ -146,18 +148,16 @@ def _pooled(
     """Return the estimates of all pixels, and of each tap where there are several."""
     alive = (pair.first.variance_dn2 > 0) | (pair.second.variance_dn2 > 0)
     usable = pair.unclipped & alive
-    tap_pixels = np.bincount(tap)
-    of_pixels = weights(pair, usable, shape)
+    sums = TapSums.of(pair, weights(pair, usable, shape), tap)
+    n_taps, tap_pixels = len(sums.by_tap), sums.by_tap[:, MEMBERS, WEIGHT].astype(np.int64)
 
-    def over(taps: list[int]) -> PooledEstimates:
-        members = np.isin(tap, taps)
+    def over(of_tap: int) -> PooledEstimates:
+        taps = list(range(n_taps)) if of_tap == ALL_TAPS else [of_tap]
         series = [FrameSeries.of(each.series, tap_pixels, taps) for each in read]
-        return pooled(pair, of_pixels.of(members), members, series, method)
+        return pooled(sums, of_tap, series, method)
 
-    every = over(list(range(len(tap_pixels))))
-    if len(tap_pixels) == 1:
+    every = over(ALL_TAPS)
+    if n_taps == 1:
         return every, ()
-    enough = [
-        np.count_nonzero(usable & (tap == t)) >= FEWEST_PIXELS for t in range(len(tap_pixels))
-    ]
-    return every, tuple(over([t]) if ok else None for t, ok in enumerate(enough))
+    enough = (sums.n_usable(t) >= FEWEST_PIXELS for t in range(n_taps))
+    return every, tuple(over(t) if ok else None for t, ok in enumerate(enough))

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from calib.arrays import RawLines
 from calib.kernels.noise import draw_codes
 from calib.kernels.pixel_moments import PixelAccumulator
+from calib.kernels.pooled_sums import ALL_TAPS
 from calib.recording.header import Block, CameraHeader, RecordingHeader
 from calib.transfer.two_exposures.exposure_pair import ExposureMoments, ExposurePair
 from calib.transfer.two_exposures.frame_series import BlockSeries, FrameSeries
 from calib.transfer.two_exposures.pooled import PooledEstimates, pooled
+from calib.transfer.two_exposures.tap_sums import TapSums
 from calib.transfer.two_exposures.weights import weights
 from tests.calib.radiometric.in_memory import InMemory
 
@@ -84,7 +86,8 @@ def pooled_of(first: RawLines, second: RawLines, **options: Any) -> PooledEstima
     one, two = (ExposureMoments.of(a.sums) for a in done)
     pair = ExposurePair(one, two)
     of_pixels = weights(pair, pair.unclipped, (n_pixels,))
-    return pooled(pair, of_pixels, np.ones(n_pixels, np.bool_), series, **options)
+    sums = TapSums.of(pair, of_pixels, np.zeros(n_pixels, np.uint8))
+    return pooled(sums, ALL_TAPS, series, **options)
 
 
 @dataclass(frozen=True)

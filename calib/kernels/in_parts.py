@@ -11,13 +11,16 @@ PIXELS = 32768
 T = TypeVar("T")
 
 
-def in_parts(n_pixels: int, work: Callable[[slice], T]) -> Iterator[T]:
-    """Yield `work` of consecutive pixels, in their order; NumPy releases the interpreter.
+def in_parts(n: int, work: Callable[[slice], T], *, at_once: int = PIXELS) -> Iterator[T]:
+    """Yield `work` of consecutive pixels (or rows), in their order.
+
+    The parts depend on `n` alone, not on the machine. NumPy and compiled loops release the
+    interpreter, so that threads work side by side.
 
     >>> [part for part in in_parts(70_000, lambda some: some.start)]
     [0, 32768, 65536]
     """
-    parts = [slice(k, min(k + PIXELS, n_pixels)) for k in range(0, n_pixels, PIXELS)]
+    parts = [slice(k, min(k + at_once, n)) for k in range(0, n, at_once)]
     if len(parts) < 2:
         yield from map(work, parts)
         return
