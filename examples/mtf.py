@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from calib.radiometric.report.style import BLUE, GREY, ORANGE, house_style, new_figure
 from matplotlib.figure import Figure
 from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
