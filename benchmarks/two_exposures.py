@@ -22,7 +22,7 @@ from calib.transfer.two_exposures.two_exposures import two_exposure_moments
 
 BITS = 14
 LONGEST_TIMES_SUMS = 2.0
-LONGEST_TIMES_PASS = 3.0
+LONGEST_TIMES_PASS = 2.0
 _CACHED = 16_384
 _PASSES = 5  # the frames at hand are shown so many times
 

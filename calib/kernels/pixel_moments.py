@@ -1,4 +1,4 @@
-"""Exact sums of codes, squares and cubes over frames, pixel by pixel, and their central moments.
+"""Exact sums of codes, squares and cubes over frames, pixel by pixel.
 
 Eight frames are added up per visit of a pixel's sums, three multiplications a sample. The sums run
 modulo 2⁶⁴; moved to a whole number c next to the mean,
@@ -12,7 +12,6 @@ about their mean are taken, by tap: what the frames have in common is seen in th
 Threads are Python's: the kernels release the interpreter, and every thread takes its own pixels.
 """
 
-from collections import deque
 from concurrent.futures import Executor
 from dataclasses import replace
 
@@ -22,7 +21,7 @@ from numpy.typing import NDArray
 
 from calib.arrays import RawLines
 from calib.errors import InputError
-from calib.kernels.in_parts import in_parts
+from calib.kernels.central_moments import moments_into
 from calib.kernels.pixel_sums import Moments, PixelSums, most_frames
 
 FRAMES_AT_ONCE = 8
@@ -98,6 +97,18 @@ class PixelAccumulator:
         s = self._sums
         return replace(s, n_frames=self._n_frames)
 
+    def finished(self) -> tuple[PixelSums, Moments]:
+        """Return counts of clipped samples, and the moments in the memory of the sums.
+
+        Fresh memory for millions of pixels costs as much as the moments. The sums are gone, and
+        nothing can be added any more.
+        """
+        sums, none = self.sums, PixelSums.zero(0)
+        self._sums, self._edges = none, [0]
+        each = (sums.codes, sums.squares, sums.cubes)
+        moments = moments_into(sums.n_frames, each, tuple(array.view(np.float64) for array in each))
+        return replace(sums, codes=none.codes, squares=none.squares, cubes=none.cubes), moments
+
     @property
     def frame_sums(self) -> NDArray[np.uint64]:
         """Sum of codes of every frame over each tap's pixels, (n_frames, n_taps)."""
@@ -113,21 +124,6 @@ class PixelAccumulator:
         """Σ(x − mean)² over a chunk's frames, each pixel's own mean, (n_chunks, n_taps), DN²."""
         spreads = np.concatenate([np.zeros((0, self._n_taps)), *self._spreads])
         return spreads / np.maximum(self.chunk_sizes, 1)[:, None]
-
-
-def central_moments(sums: PixelSums) -> Moments:
-    """Return mean, k₂ and k₃ of every pixel, correct to rounding in double precision.
-
-    k₃ = n·Σ(x−m)³ / ((n−1)(n−2)); its rounding error is below 10⁻¹⁵ of Σ|x−c|³ + Σ(x−c)².
-    """
-    each = (sums.codes, sums.squares, sums.cubes)
-    moments = tuple(np.empty(sums.codes.size) for _ in range(3))
-
-    def fill(some: slice) -> None:
-        _moments(sums.n_frames, *(array[some] for array in (*each, *moments)))
-
-    deque(in_parts(sums.codes.size, fill), maxlen=0)
-    return Moments(*moments)
 
 
 @njit(cache=True, nogil=True)
@@ -230,29 +226,3 @@ def _sum_of_spread(spread, mask):  # type: ignore[no-untyped-def]
     for i in range(len(spread)):
         total += np.float64(spread[i] & -int64(mask[i] & uint16(1)))
     return total
-
-
-@njit(cache=True, nogil=True)
-def _moments(n, codes, squares, cubes, mean, variance, third):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
-    if n < 3:
-        third[:] = np.nan
-    if n < 2:
-        variance[:] = np.nan
-    if n < 1:
-        mean[:] = np.nan
-        return
-    count = uint64(n)
-    for i in range(len(codes)):
-        # The sum of codes itself fits: n is below 2⁴⁷.
-        c = (codes[i] + count // uint64(2)) // count
-        s1 = np.int64(codes[i] - count * c)
-        s2 = np.int64(squares[i] - uint64(2) * c * codes[i] + count * c * c)
-        s3 = np.int64(
-            cubes[i] - uint64(3) * c * squares[i] + uint64(3) * c * c * codes[i] - count * c * c * c
-        )
-        off = s1 / n
-        mean[i] = c + off
-        if n > 1:
-            variance[i] = (s2 - s1 * off) / (n - 1)
-        if n > 2:
-            third[i] = (s3 - 3.0 * off * s2 + 2.0 * s1 * off * off) * n / ((n - 1.0) * (n - 2.0))

@@ -6,9 +6,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.kernels.central_moments import central_moments
 from calib.kernels.exposure_arrays import ExposureArrays, PairArrays
-from calib.kernels.pixel_moments import central_moments
-from calib.kernels.pixel_sums import Pixels, PixelSums
+from calib.kernels.pixel_moments import PixelAccumulator
+from calib.kernels.pixel_sums import Moments, Pixels, PixelSums
 from calib.kernels.unclipped_sums import UnclippedSums, unclipped_sums
 
 EVERY = slice(None)
@@ -39,7 +40,16 @@ class ExposureMoments:
     @classmethod
     def of(cls, block: PixelSums) -> "ExposureMoments":
         """Return the moments of one block."""
-        moments, n = central_moments(block), block.n_frames
+        return cls._of(block, central_moments(block))
+
+    @classmethod
+    def finished(cls, accumulator: PixelAccumulator) -> "ExposureMoments":
+        """Return the moments of one block, in the memory of its sums, which are gone."""
+        return cls._of(*accumulator.finished())
+
+    @classmethod
+    def _of(cls, block: PixelSums, moments: Moments) -> "ExposureMoments":
+        n = block.n_frames
         values = (moments.mean_dn, moments.variance_dn2, moments.third_dn3)
         return cls(n, n - 1, *values, block.at_zero, block.at_full_scale)
 

@@ -4,10 +4,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.kernels.pixel_moments import FRAMES_AT_ONCE
-from calib.kernels.pixel_sums import Pixels, PixelSums
+from calib.kernels.pixel_sums import Pixels, Sums
 from calib.transfer.two_exposures.exposure_pair import ExposureMoments
 from calib.transfer.two_exposures.finding import Finding
 
@@ -42,16 +41,23 @@ def looked_at(n_pixels: int) -> slice:
 
 
 def pattern_change(
-    block: str, sums: PixelSums, early_codes: NDArray[np.uint64], moments: ExposureMoments
+    block: str, codes: Sums, early_codes: Sums, moments: ExposureMoments
 ) -> PatternChange:
-    """Compare early with late on the pixels `looked_at`, of which alone `early_codes` are."""
-    n, k = sums.n_frames, FRAMES_AT_ONCE
+    """Compare early with late.
+
+    Args:
+        block: Its name.
+        codes: Sums of codes of the pixels `looked_at` over all frames.
+        early_codes: The same over the first eight.
+        moments: Of all pixels.
+    """
+    n, k = moments.n_frames, FRAMES_AT_ONCE
     if n < 2 * k:
         return PatternChange(block, float("nan"), float("nan"))
     some = looked_at(moments.mean_dn.size)
     usable = (moments.at_zero[some] == 0) & (moments.at_full_scale[some] == 0)
     early = early_codes[usable] / k
-    late = (sums.codes[some][usable] - early_codes[usable]) / (n - k)
+    late = (codes[usable] - early_codes[usable]) / (n - k)
     variance = moments.variance_dn2[some][usable] * (1.0 / k + 1.0 / (n - k))
     if early.size < k:
         return PatternChange(block, float("nan"), float("nan"))

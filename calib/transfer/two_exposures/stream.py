@@ -61,8 +61,9 @@ def read_exposure(
             told((number + share) / len(blocks))
 
         accumulator, early = _accumulated(recording, block, tap_of_pixel, done, cancelled)
-        of_block = ExposureMoments.of(accumulator.sums)
-        changes.append(pattern_change(block.block, accumulator.sums, early, of_block))
+        codes = accumulator.sums.codes[looked_at(tap_of_pixel.size)].copy()
+        of_block = ExposureMoments.finished(accumulator)
+        changes.append(pattern_change(block.block, codes, early, of_block))
         moments = of_block if moments is None else moments.merged(of_block)
         series.append(
             BlockSeries(

@@ -6,7 +6,8 @@ import pytest
 from numpy.typing import NDArray
 
 from calib.errors import InputError
-from calib.kernels.pixel_moments import PixelAccumulator, central_moments
+from calib.kernels.central_moments import central_moments
+from calib.kernels.pixel_moments import PixelAccumulator
 from calib.kernels.pixel_sums import PixelSums, most_frames
 
 Codes = NDArray[np.uint8] | NDArray[np.uint16]
@@ -159,3 +160,16 @@ def test_the_codes_are_left_alone() -> None:
     dn = drawn((20, 20), np.uint16, 4095)
     dn.flags.writeable = False
     accumulated(dn)
+
+
+@pytest.mark.parametrize("n_frames", [1, 2, 3, 40])
+def test_moments_in_the_memory_of_the_sums_are_the_same(n_frames: int) -> None:
+    dn = drawn((n_frames, 70_000), np.uint16, 16383)
+    accumulator, kept = accumulated(dn, 16383), accumulated(dn, 16383)
+    expected = central_moments(kept.sums)
+    sums, moments = accumulator.finished()
+    for name in ("mean_dn", "variance_dn2", "third_dn3"):
+        assert np.array_equal(getattr(moments, name), getattr(expected, name), equal_nan=True)
+    assert np.array_equal(sums.at_zero, kept.sums.at_zero)
+    assert np.array_equal(sums.at_full_scale, kept.sums.at_full_scale)
+    assert sums.n_frames == n_frames

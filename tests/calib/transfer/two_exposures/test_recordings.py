@@ -186,7 +186,7 @@ def test_a_lamp_that_changes_is_no_change_of_the_picture() -> None:
         done.add(sensor.frames(32, 2, factor))
         moments = ExposureMoments.of(done.sums)
         still = replace(moments, variance_dn2=sensor.electrons + 36.0)
-        change = pattern_change("000", done.sums, early, still)
+        change = pattern_change("000", done.sums.codes, early, still)
         assert abs(change.mean_square_dn2) < SEVERAL * change.std_dn2
     assert SEVERAL * change.std_dn2 < (0.01 * 3000 * 0.35) ** 2  # were the factor not fitted
 
