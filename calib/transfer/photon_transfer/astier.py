@@ -11,7 +11,7 @@ from calib.transfer.photon_transfer.charge_covariance import Form, Kernel, covar
 from calib.transfer.photon_transfer.gauss_newton import Matrix, Solution, Vector, solve
 from calib.transfer.photon_transfer.overdispersion import ByLight, excess_by_light
 from calib.transfer.photon_transfer.points import Points
-from calib.transfer.photon_transfer.variance_curve import ROUNDING_DN2, Shape
+from calib.transfer.photon_transfer.variance_curve import ROUNDING_DN2, Shape, rounded_variance
 
 
 @dataclass(frozen=True)
@@ -107,21 +107,20 @@ class _Fit:
         return float(p.signal_dn.max() * p.signal_dn.max() / p.variance_dn2.max())
 
     def _model(self, p: Vector) -> NDArray[np.float64]:
-        """Return C of every lag and point, DN², (n_lags, n_points)."""
+        """Return C of every lag and point before rounding, DN², (n_lags, n_points)."""
         gain, a, ab, noise = self._split(p)
         x = self._linear
         charge = covariance_model(x / gain, gain, a, ab, self.form)
         picked = np.array([charge[r, c] for r, c in self.lags]) + noise[:, None]
-        bent = self.response.slope(x) ** 2 * picked
-        bent[0] += ROUNDING_DN2
-        return np.asarray(bent)
+        return np.asarray(self.response.slope(x) ** 2 * picked)
 
     def _errors(self, p: Vector) -> tuple[Vector, Vector, Vector]:
         """Return residuals, their variances by statistics and V² of each, flattened."""
         model, q = self._model(p), self.points
-        variance = model[0]
-        own = np.concatenate([q.square_factor[None], q.covariance_factor]) * variance**2
-        own[0] += q.cumulant_factor * p[0] ** 3 * np.maximum(q.signal_dn, 0.0)
+        fourth = p[0] ** 3 * np.maximum(q.signal_dn, 0.0)
+        of_variance = q.variance_variance(model[0], fourth)
+        model[0] = variance = rounded_variance(model[0])
+        own = np.concatenate([of_variance[None], q.covariance_factor * variance**2])
         seen = np.concatenate([q.variance_dn2[None], q.covariance_dn2])
         size = np.concatenate([variance[None] ** 2, np.zeros((self._size - 1, len(q)))])
         return (seen - model).ravel(), own.ravel(), size.ravel()

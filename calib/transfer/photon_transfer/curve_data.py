@@ -7,7 +7,7 @@ import numpy as np
 from calib.transfer.photon_transfer.gauss_newton import Vector
 from calib.transfer.photon_transfer.means import Means
 from calib.transfer.photon_transfer.points import Points
-from calib.transfer.photon_transfer.variance_curve import ROUNDING_DN2, Shape
+from calib.transfer.photon_transfer.variance_curve import ROUNDING_DN2, Shape, rounded_variance
 
 
 @dataclass(frozen=True)
@@ -70,10 +70,10 @@ class CurveData:
     def variance_errors(self, shape: Shape) -> tuple[Vector, Vector, Vector]:
         """Return residuals of the variances, their variances by statistics, and V²."""
         p = self.points
-        expected = shape.variance(p.signal_dn)
-        own = p.square_factor * expected**2
-        own += p.cumulant_factor * shape.fourth_cumulant(p.signal_dn)
-        return p.variance_dn2 - expected, own, expected**2
+        before = shape.variance_before_rounding(p.signal_dn)
+        expected = rounded_variance(before)
+        fourth = shape.fourth_cumulant(p.signal_dn)
+        return p.variance_dn2 - expected, p.variance_variance(before, fourth), expected**2
 
     def mean_errors(self, parameters: Vector) -> tuple[Vector, Vector, Vector]:
         """Return residuals of the means, their variances by statistics, and s²; none without."""

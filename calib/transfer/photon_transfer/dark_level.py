@@ -30,6 +30,12 @@ class DarkLevel:
     growth_dn_per_us: Columns
     is_known: bool
 
+    def signal_dn(self, block: BlockCells, tap: NDArray[np.intp]) -> Columns:
+        """Return what a block's cells have above the level, DN; of a dark its tap's growth."""
+        if block.block.kind == "dark":
+            return np.asarray(self.growth_dn_per_us[tap] * block.block.exposure_us)
+        return block.mean_dn - self.offset_dn
+
 
 def dark_level(blocks: Sequence[BlockCells], tap: NDArray[np.intp], pixels: Columns) -> DarkLevel:
     """Return the dark level of every cell."""

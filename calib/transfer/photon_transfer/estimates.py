@@ -5,8 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.rounding import SMALLEST_SIGMA_DN
 from calib.transfer.estimate import Estimate
 
+HIDDEN = f"it is below {SMALLEST_SIGMA_DN} DN, so that rounding to whole codes hides it"
 NO_DARKS = "there are no darks: the read noise is what they have, and the signal counts from them"
 
 
@@ -24,8 +26,10 @@ def read_noise_dn(
     """Return σ_r."""
     if not has_darks:
         return Estimate.unknown("DN", NO_DARKS)
-    if value[1] <= 0 or not np.isfinite(covariance[1, 1]):
-        return Estimate.unknown("DN", "the variance at no signal is not above that of rounding")
+    if not np.isfinite(covariance[1, 1]):
+        return Estimate.unknown("DN", "the darks' variance does not tell it")
+    if value[1] < SMALLEST_SIGMA_DN**2:
+        return Estimate.unknown("DN", HIDDEN)
     sigma = math.sqrt(value[1])
     return Estimate(sigma, math.sqrt(covariance[1, 1]) / (2.0 * sigma), "DN")
 

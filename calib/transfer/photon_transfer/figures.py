@@ -11,7 +11,6 @@ from calib.kernels.difference_sums import Lag
 from calib.report.style import BLUE, CYCLE, GREEN, GREY, ORANGE, new_figure
 from calib.transfer.photon_transfer.curve_fit import CurveFit, Model
 from calib.transfer.photon_transfer.tap_transfer import TapTransfer
-from calib.transfer.photon_transfer.variance_curve import ROUNDING_DN2
 
 _COLOURS = {
     Model.STRAIGHT: GREY,
@@ -73,14 +72,14 @@ def _scatter(axes: Axes, signal: Columns, value: Columns, tap: TapTransfer) -> N
 def _by_signal(axes: Axes, tap: TapTransfer, grid: Columns) -> None:
     """Draw (variance − read noise)/signal, which a straight line would leave level."""
     points = tap.points.where(tap.used.use & ~tap.points.is_dark)
-    floor = tap.shape.read_variance_dn2 + ROUNDING_DN2
+    floor = tap.shape.variance(np.zeros(1))[0]
     ratio = (points.variance_dn2 - floor) / points.signal_dn
     expected = tap.shape.variance(points.signal_dn)
     error = np.sqrt(points.square_factor) * expected / points.signal_dn
     axes.errorbar(points.signal_dn, ratio, error, fmt=".", color=BLUE, ms=4, elinewidth=0.8)
     inner = grid[grid > 0.02 * grid.max()]
     for fit in _drawn(tap):
-        level = fit.shape.variance(inner) - fit.shape.read_variance_dn2 - ROUNDING_DN2
+        level = fit.shape.variance(inner) - fit.shape.variance(np.zeros(1))[0]
         axes.plot(inner, level / inner, color=_COLOURS[fit.model])
     low, high = np.quantile(ratio, [0.02, 0.98])
     room = 0.35 * (high - low) + 2.0 * float(np.median(error))

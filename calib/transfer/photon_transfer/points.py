@@ -1,5 +1,6 @@
 """The photon-transfer curve's points: signal, variance and covariances of a block's classes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,11 +9,13 @@ from numpy.typing import NDArray
 from calib.arrays import Columns
 from calib.errors import NotDeterminedError
 from calib.kernels.difference_sums import Lag
-from calib.transfer.photon_transfer.cells import BlockCells
-from calib.transfer.photon_transfer.class_average import class_average, near_an_end
-from calib.transfer.photon_transfer.classes import Numbers, classes, defects, relative_signal
-from calib.transfer.photon_transfer.dark_level import DarkLevel, dark_level
+from calib.rounded_scatter import rounded_scatter
+from calib.transfer.photon_transfer.class_average import class_averages
+from calib.transfer.photon_transfer.classes import Numbers
+from calib.transfer.photon_transfer.dark_level import DarkLevel
+from calib.transfer.photon_transfer.prepared import prepare
 from calib.transfer.photon_transfer.recorded_cells import RecordedCells
+from calib.transfer.photon_transfer.variance_curve import rounded_variance
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,8 @@ class Points:
         variance_dn2: Temporal.
         square_factor: a in var(variance) = a·V² + b·κ4.
         cumulant_factor: b.
+        phase_factor: Share of S² (`unrounding`) that unknown phases add to var(variance).
+        lever: By how much more they err for what was undone of rounding; 1 where nothing was.
         covariance_dn2: Of neighbours, lags on both sides averaged, (n_lags, n_points).
         covariance_factor: c in var(covariance) = c·V², as `covariance_dn2`.
         lags: (rows, columns), not negative.
@@ -52,6 +57,8 @@ class Points:
     variance_dn2: Columns
     square_factor: Columns
     cumulant_factor: Columns
+    phase_factor: Columns
+    lever: Columns
     covariance_dn2: NDArray[np.float64]
     covariance_factor: NDArray[np.float64]
     lags: tuple[Lag, ...]
@@ -72,7 +79,23 @@ class Points:
         two = {name: getattr(self, name)[:, use] for name in _TWO_DIMENSIONAL}
         return replace(self, **one, **two)
 
+    def variance_variance(self, before_dn2: Columns, fourth_dn4: Columns) -> Columns:
+        """Return how the variances vary by statistics and by unknown phases of rounding, DN⁴.
 
+        Args:
+            before_dn2: The expected variances before rounding.
+            fourth_dn4: κ4 before rounding.
+        """
+        # Below, an error of 0 would give all weight to what is least known.
+        before = np.maximum(before_dn2, _LEAST_DN2)
+        scatter, known = rounded_scatter(np.sqrt(before)), self.phase_factor == 0
+        own = self.square_factor * (rounded_variance(before) ** 2 + scatter.variance_spread_dn4)
+        fourth = fourth_dn4 + scatter.fourth_cumulant_dn4 + known * scatter.restored_dn4
+        own = (own + self.cumulant_factor * fourth) * self.lever**2
+        return np.asarray(own + self.phase_factor * scatter.variance_spread_dn4)
+
+
+_LEAST_DN2 = 0.05**2
 _TWO_DIMENSIONAL = ("covariance_dn2", "covariance_factor")
 
 
@@ -106,43 +129,32 @@ def curve_of(recorded: RecordedCells) -> Curve:
             "to look at: record flats of many lines at several exposures."
         )
         raise NotDeterminedError(message, code="no-temporal-noise")
-    tap, top = recorded.tap, recorded.full_scale_dn
-    dark = dark_level(blocks, tap, recorded.pixels)
-    number = classes(relative_signal(blocks, dark.offset_dn, tap, top), tap)
-    usable = np.array([~near_an_end(b, top) for b in blocks])
-    bad = defects(blocks, tap, number, usable)
-    taps = tuple(
-        _points(recorded, blocks, dark, number=number, bad=bad, tap=t)
-        for t in range(int(tap.max()) + 1)
-    )
-    size = np.bincount(tap, recorded.pixels * ~bad).astype(np.float64)
-    return Curve(taps, dark, int(bad.sum()), size)
+    tap = recorded.tap
+    prepared = prepare(recorded, blocks)
+    if not len(prepared.members.cells):
+        raise NotDeterminedError(
+            "No cell's darks and flats lie between the ends of the code range.",
+            code="photon-transfer-range",
+        )
+    n_darks = sum(b.block.kind == "dark" for b in blocks)
+    rows = [
+        class_averages(prepared.members, prepared.dark, seen, n_darks) for seen in prepared.blocks
+    ]
+    n_taps = int(tap.max()) + 1
+    taps = tuple(_points(rows, prepared.members.tap, t, blocks[0].lags) for t in range(n_taps))
+    size = np.bincount(prepared.members.tap, prepared.members.size, n_taps).astype(np.float64)
+    return Curve(taps, prepared.dark, prepared.defects, size)
 
 
 def _points(
-    recorded: RecordedCells,
-    blocks: list[BlockCells],
-    dark: DarkLevel,
-    *,
-    number: Numbers,
-    bad: NDArray[np.bool_],
+    rows: Sequence[dict[str, NDArray[np.generic]]],
+    tap_of_class: Numbers,
     tap: int,
+    lags: tuple[Lag, ...],
 ) -> Points:
-    rows = [
-        class_average(
-            recorded,
-            block,
-            dark,
-            {"block": k, "number": int(c)},
-            np.flatnonzero(members),
-        )
-        for k, block in enumerate(blocks)
-        for c in np.unique(number[recorded.tap == tap])
-        if (members := (recorded.tap == tap) & (number == c) & ~bad).any()
-    ]
-    lags = tuple(dict.fromkeys((r, abs(c)) for r, c in blocks[0].lags))
-    names = [n for n in Points.__dataclass_fields__ if n not in {"tap", "lags"}]
-    stacked = {n: np.array([row[n] for row in rows]) for n in names}
-    for name in _TWO_DIMENSIONAL:
-        stacked[name] = stacked[name].reshape(len(rows), len(lags)).T
-    return Points(tap=tap, lags=lags, **stacked)
+    """Stack the blocks' classes of one tap."""
+    own = tap_of_class == tap
+    stacked = {n: np.concatenate([row[n][..., own] for row in rows], axis=-1) for n in rows[0]}
+    block = np.repeat(np.arange(len(rows)), int(own.sum()))
+    apart = tuple(dict.fromkeys((r, abs(c)) for r, c in lags))
+    return Points(tap=tap, block=block, lags=apart, **stacked)

@@ -4,10 +4,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from calib.rounding import SMALLEST_SIGMA_DN
 from calib.transfer.photon_transfer.curve_fit import Model
 from calib.transfer.photon_transfer.estimates import NO_DARKS
 from calib.transfer.photon_transfer.points import Curve
 from calib.transfer.photon_transfer.recorded_cells import RecordedCells
+from calib.transfer.photon_transfer.rounding_state import Rounding
 from calib.transfer.photon_transfer.tap_transfer import TapTransfer
 
 _SEEN_SIGMA = 5.0
@@ -78,5 +80,24 @@ def _of_tap(tap: TapTransfer) -> Iterator[str]:
                 "the nearest: charge or voltage that is shared takes that share from the variance, "
                 "and from the system gain with it."
             )
+    if tap.has_darks:
+        yield from _of_rounding(name, tap)
     if not np.isfinite(tap.choice.bend_sigma):
         yield f"{name}: {tap.choice.why}."
+
+
+def _of_rounding(name: str, tap: TapTransfer) -> Iterator[str]:
+    """Say where rounding limits the read noise."""
+    if tap.rounding is Rounding.HIDDEN:
+        yield (
+            f"{name}: the noise in the dark is below {SMALLEST_SIGMA_DN} DN: rounding to whole "
+            "codes hides it, and the read noise is not determined. A higher gain of the camera "
+            "would lift it."
+        )
+    elif tap.rounding is Rounding.ON_AVERAGE:
+        noise = float(np.sqrt(tap.gain_and_read[1]))
+        yield (
+            f"{name}: the noise in the dark is {noise:.2f} DN: rounding is undone on average "
+            "over pixels, not one by one, and what that leaves is in the errors of read noise and "
+            "system gain; more lines (frames) do not lessen it."
+        )

@@ -18,6 +18,7 @@ from calib.transfer.photon_transfer.estimates import gain_estimate, read_noise_d
 from calib.transfer.photon_transfer.means import Means, means_of
 from calib.transfer.photon_transfer.neighbours import Neighbours, nearest_sigma, neighbours_of
 from calib.transfer.photon_transfer.points import Points
+from calib.transfer.photon_transfer.rounding_state import Rounding
 from calib.transfer.photon_transfer.told import (
     model_answer,
     neighbour_answer,
@@ -86,6 +87,11 @@ class TapTransfer:
         """σ_r in electrons."""
         return read_noise_e(self.gain_and_read, self.covariance, self.has_darks)
 
+    @property
+    def rounding(self) -> Rounding:
+        """How the read noise was told from rounding."""
+        return Rounding.of(float(self.gain_and_read[1]), self.points)
+
     def answer(self) -> dict[str, Any]:
         """Return it as JSON has it."""
         choice = self.choice
@@ -106,6 +112,7 @@ class TapTransfer:
             "neighbours": [neighbour_answer(n) for n in self.neighbours],
             "turn_off_dn": number(turn_off),
             "range_dn": [number(self.used.lowest_dn), number(self.used.highest_dn)],
+            "rounding": self.rounding.value,
             "points": int(self.used.use.sum()),
         }
 

@@ -8,7 +8,8 @@ With x the signal that a straight response would give (DN above the dark level),
     nonlinear          s = x·(1 − β·x), so that the variance of the codes is (1 − 2βx)²·V(x)
     quadratic          V = K·s + q·s² + σ_r², whatever bends it
 
-To each the rounding to whole codes adds 1/12. A response that bends, bends the means as well:
+To each the rounding to whole codes adds 1/12 − B² (`calib.rounding`), averaged over all phases of
+the mean; B² is nothing from half a DN of noise up. A response that bends, bends the means as well:
 the mean of s over the noise is x − β·(x² + V).
 
 Source: Astier et al. 2019, A&A 629, A36 (arXiv:1905.08677); EMVA Standard 1288, Release 4.0
@@ -20,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.arrays import Columns
+from calib.rounding import mean_square_bias
 
 ROUNDING_DN2 = 1.0 / 12.0
 
@@ -74,12 +76,22 @@ class Shape:
 
     def variance(self, signal_dn: Columns) -> Columns:
         """Return the variance of the codes at the mean signal s, DN²."""
+        return rounded_variance(self.variance_before_rounding(signal_dn))
+
+    def variance_before_rounding(self, signal_dn: Columns) -> Columns:
+        """Return σ² at the mean signal s, DN²; a trial's may be negative."""
         x = self.linear(signal_dn)
-        return np.asarray(self.slope(x) ** 2 * self.charge_variance(x) + ROUNDING_DN2)
+        return np.asarray(self.slope(x) ** 2 * self.charge_variance(x))
 
     def fourth_cumulant(self, signal_dn: Columns) -> Columns:
         """Return κ4 of the codes, that of Poisson's law: K⁴·N, DN⁴."""
         return np.asarray(self.system_gain**3 * np.maximum(signal_dn, 0.0))
+
+
+def rounded_variance(variance_dn2: Columns) -> Columns:
+    """Return the variance of codes whose signal has `variance_dn2`, over all phases, DN²."""
+    sigma = np.sqrt(np.maximum(variance_dn2, 0.0))
+    return np.asarray(variance_dn2 + ROUNDING_DN2 - mean_square_bias(sigma))
 
 
 def exponential_share(t: Columns) -> Columns:
