@@ -18,7 +18,7 @@ class StageError:
 
     Attributes:
         position: k.
-        error_um: (x, y), about the median of all positions.
+        error_um: (x, y), about the mean of the positions that are not far astray.
         std_um: Of both.
     """
 
@@ -30,7 +30,7 @@ class StageError:
 def stage_outliers(found: Measurement) -> tuple[StageError, ...]:
     """Return the positions whose error stands far above what the others scatter by."""
     error, std = found.fit.stage_um
-    spread = _GAUSSIAN * np.median(np.abs(error), axis=0)
+    spread = _GAUSSIAN * np.median(np.abs(error - np.median(error, axis=0)), axis=0)
     apart = (np.abs(error) > _FAR * np.hypot(spread, std)).any(axis=1)
     positions = found.fit.state.sampling.frames
     return tuple(

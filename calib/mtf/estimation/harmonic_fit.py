@@ -82,7 +82,7 @@ class HarmonicFit:
 
     @property
     def stage_um(self) -> tuple[Matrix, Matrix]:
-        """Each frame's stage error about their median and its std, (n_frames, 2) each, µm."""
+        """Each frame's error about the steady frames' mean, and its std: (n_frames, 2), µm."""
         found = self.state.sampling.alignment.stage_um
         assert found is not None  # noqa: S101  (a fit always has them)
         spots = [self.state.layout.of_frames(which) for which in (0, 1)]

@@ -30,6 +30,7 @@ _MOST_STEPS = 12
 _SETTLED = 1e-3  # of a standard deviation per unknown
 _GROUPS_PER_UNKNOWN = 20
 _CHUNK_BYTES = 1 << 27
+_ASTRAY, _AT_LEAST = 10.0, 0.05  # medians of all frames' errors; of the stage's step
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,16 +62,17 @@ def joint_fit(scan: ScanImages, start: Alignment) -> HarmonicFit:
 
 
 def _start(scan: ScanImages, start: Alignment, good: NDArray[np.bool_]) -> State:
-    """Return the state with the mean alone, its stage errors about their median."""
+    """Return the state with the mean alone, its stage errors about the mean of steady frames."""
     stage = np.zeros((len(scan.positions), 2)) if start.stage_um is None else start.stage_um
-    middle = np.median(stage, axis=0)
+    away = np.abs(stage - np.median(stage, axis=0))
+    steady = (away <= _ASTRAY * np.median(away, axis=0) + _AT_LEAST * scan.scan.step_um).all(axis=1)
+    middle = stage[steady].mean(axis=0)
     alignment = replace(start, stage_um=stage - middle, shift_um=start.shift_um - middle)
     levels = scan.images[:, good].mean(axis=1)
     amplitude = np.zeros(len(scan.grating.harmonics) + 1, np.complex128)
     amplitude[0] = levels.mean() / 2
-    return State(
-        scan.grating.harmonics, scan.sampling(alignment), amplitude, levels / levels.mean()
-    )
+    levels /= levels[steady].mean()
+    return State(scan.grating.harmonics, scan.sampling(alignment), amplitude, levels, steady)
 
 
 def _settle(scan: ScanImages, state: State, good: NDArray[np.bool_]) -> _At:
@@ -79,7 +81,7 @@ def _settle(scan: ScanImages, state: State, good: NDArray[np.bool_]) -> _At:
         slopes = Slopes(state)
         residual = _residual(scan, slopes, good)
         normal = normal_matrix(state)
-        solved = NormalSolver.of(_amplitudes_first(normal, state, first=number == 0), state.layout)
+        solved = NormalSolver.of(_amplitudes_first(normal, state, first=number == 0), state)
         step = solved.solve(slopes.total(residual))
         variance = (residual**2).mean() + np.finfo(float).eps * state.amplitude[0].real ** 2
         if number and step @ normal @ step < _SETTLED**2 * variance * len(step):
@@ -116,28 +118,19 @@ def _generalised(scan: ScanImages, at: _At, effects: PixelEffects) -> HarmonicFi
         normal = normal - _taken_out(at, effects)
         residual = effects.whitened(residual, at.slopes.model)
         residual[:, ~at.good] = 0
-        solved = NormalSolver.of(normal, at.slopes.state.layout)
+        solved = NormalSolver.of(normal, at.slopes.state)
         moved = at.slopes.state.moved(solved.solve(at.slopes.total(residual)))
         slopes = Slopes(moved)
         at = _At(slopes, _residual(scan, slopes, at.good), at.good)
         residual = effects.whitened(at.residual, at.slopes.model)
         residual[:, ~at.good] = 0
-    solved = solved or NormalSolver.of(normal, at.slopes.state.layout)
+    solved = solved or NormalSolver.of(normal, at.slopes.state)
     half = solved.solve(_scatter_of_scores(at.slopes, residual))
     gain, offset = effects.of(at.residual, at.slopes.model)
     return HarmonicFit(
-        _about_median(at.slopes.state), solved.solve(half.T), residual, effects.noise, gain, offset,
+        at.slopes.state, solved.solve(half.T), residual, effects.noise, gain, offset,
         effects.gain_std, at.good,
     )  # fmt: skip
-
-
-def _about_median(state: State) -> State:
-    """Return the same state with stage errors counted from their median: one bad one moves none."""
-    alignment = state.sampling.alignment
-    stage = np.zeros((1, 2)) if alignment.stage_um is None else alignment.stage_um
-    middle = np.median(stage, axis=0)
-    named = replace(alignment, stage_um=stage - middle, shift_um=alignment.shift_um - middle)
-    return replace(state, sampling=state.sampling.aligned(named))
 
 
 def _taken_out(at: _At, effects: PixelEffects) -> Normal:

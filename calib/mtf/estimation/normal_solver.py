@@ -7,20 +7,20 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_solve, lapack
 
 from calib.errors import NotDeterminedError
-from calib.mtf.estimation.state import Layout, Unknowns
+from calib.mtf.estimation.state import State, Unknowns
 
 _LEAST_CONDITION = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class NormalSolver:
-    """A factorised normal matrix; the mean stage error and the mean level are held at 0."""
+    """A factorised normal matrix; steady frames' mean stage error and mean level do not move."""
 
     factor: NDArray[np.floating]
     scale: NDArray[np.floating]
 
     @classmethod
-    def of(cls, normal: NDArray[np.floating], layout: Layout) -> "NormalSolver":
+    def of(cls, normal: NDArray[np.floating], state: State) -> "NormalSolver":
         """Factorise.
 
         Raises:
@@ -29,8 +29,8 @@ class NormalSolver:
         scale = 1 / np.sqrt(np.diag(normal))
         scaled = normal * np.multiply.outer(scale, scale)
         for which in range(3):
-            at = layout.of_frames(which)
-            direction = 1 / scale[at]
+            at = state.layout.of_frames(which)
+            direction = scale[at] * state.steady
             scaled[at, at] += np.multiply.outer(direction, direction) / (direction**2).mean()
         factor, failed = lapack.dpotrf(scaled, lower=1)
         condition = (

@@ -64,12 +64,14 @@ class State:
         sampling: The geometry, its alignment included.
         amplitude: (n + 1,), in the images' unit; the first is half the mean.
         level: Each frame's light relative to the mean, (n_frames,).
+        steady: Frames from whose mean stage errors count: all but those far astray, (n_frames,).
     """
 
     harmonics: Harmonics
     sampling: Sampling
     amplitude: Complex
     level: NDArray[np.floating]
+    steady: NDArray[np.bool_]
 
     @property
     def layout(self) -> Layout:

@@ -20,7 +20,7 @@ CAPTIONS = {
     " harmonics.",
     "psf": "Dotted: one pitch. Frequencies beyond the pattern's highest are not measured.",
     "noise": "Where harmonics are sparse, the support decides, and uncertainty grows.",
-    "bench": "Errors about their median; each is corrected.",
+    "bench": "Errors about the mean of all that are not far astray; each is corrected.",
 }
 
 

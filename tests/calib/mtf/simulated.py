@@ -35,11 +35,18 @@ class Case:
     bench: Bench
     scan: ScanImages
 
-    @property
-    def shift_um(self) -> NDArray[np.floating]:
-        """Where the pattern lies with the PSF's centroid at 0, the median stage error off."""
+    def stage_um(self, fit: HarmonicFit) -> NDArray[np.floating]:
+        """The true stage errors of a fit's frames, counted as the fit counts them."""
         stage = self.bench.alignment.stage_um
-        middle = np.zeros(2) if stage is None else np.median(stage, axis=0)
+        every = np.zeros((self.bench.scan.positions, 2)) if stage is None else stage
+        of_frames = every[list(fit.state.sampling.frames)]
+        return of_frames - of_frames[fit.state.steady].mean(axis=0)
+
+    def shift_um(self, fit: HarmonicFit) -> NDArray[np.floating]:
+        """Where the pattern lies with the PSF's centroid at 0, for stage errors counted so."""
+        stage = self.bench.alignment.stage_um
+        every = np.zeros((self.bench.scan.positions, 2)) if stage is None else stage
+        middle = every[list(fit.state.sampling.frames)][fit.state.steady].mean(axis=0)
         tilt = self.bench.scan.tilt_rad + self.bench.alignment.tilt_rad
         turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
         return (
@@ -51,7 +58,7 @@ class Case:
     def transfer(self, fit: HarmonicFit) -> NDArray[np.complexfloating]:
         """Return the true transfers at a fit's harmonics, phases about the fit's shift."""
         fx, fy = fit.detector_per_um.T
-        away = self.shift_um - fit.state.sampling.alignment.shift_um
+        away = self.shift_um(fit) - fit.state.sampling.alignment.shift_um
         turn = np.exp(-2j * np.pi * (fit.state.harmonics.frequency_per_um @ away))
         return centred(self.bench.response, fx, fy) * turn
 
@@ -93,7 +100,9 @@ def exact_fit(
     sampling = Sampling.whole(PAPER, shape, Alignment(stage_um=np.zeros((PAPER.positions, 2))))
     transfer = centred(response, *sampling.to_detector(harmonics.frequency_per_um).T)
     amplitude = np.concatenate([[0.5 + 0j], harmonics.amplitude * transfer])
-    state = State(harmonics, sampling, amplitude, np.ones(PAPER.positions))
+    state = State(
+        harmonics, sampling, amplitude, np.ones(PAPER.positions), np.ones(PAPER.positions, bool)
+    )
     variance = np.zeros(state.layout.size)
     variance[1 : len(harmonics) + 1] = np.abs(std * harmonics.amplitude) ** 2
     variance[state.layout.imaginary] = variance[1 : len(harmonics) + 1]

@@ -26,6 +26,7 @@ def state() -> State:
         Sampling.whole(scan, (9, 11), alignment),
         np.concatenate([[50 + 0j], amplitude.sum(0)]),
         1 + rng.normal(scale=0.01, size=5),
+        np.ones(5, bool),
     )
 
 
