@@ -81,7 +81,7 @@ def measure(scan: ScanImages, method: Method = "regularised", support: int = 3) 
     highest = float(np.hypot(*fit.detector_per_um.T).max())
     measured = Harmonic(fit.detector_per_um, fit.transfer, fit.transfer_covariance)
     psf, centroid = compact_psf(measured, scan.scan.pitch_um, highest, support)
-    turn = _turn(scan.scan.tilt_rad + fit.tilt_rad[0])
+    turn = (1 + fit.scale[0]) * _turn(scan.scan.tilt_rad + fit.tilt_rad[0])
     shift = scan.grating.harmonics.shortest(fit.state.sampling.alignment.shift_um + turn @ centroid)
     covariance = turn @ psf.centroid_covariance @ turn.T
     found: TransferFunction = psf
@@ -99,6 +99,6 @@ def _kept(alignment: Alignment, left_out: tuple[int, ...]) -> Alignment:
 
 
 def _turn(tilt_rad: float) -> NDArray[np.floating]:
-    """Return what turns the detector's frame into the grating's."""
+    """Return what turns lengths of the detector's frame into the grating's."""
     cos, sin = np.cos(tilt_rad), np.sin(tilt_rad)
     return np.array([[cos, -sin], [sin, cos]])

@@ -49,11 +49,9 @@ class Case:
         middle = every[list(fit.state.sampling.frames)][fit.state.steady].mean(axis=0)
         tilt = self.bench.scan.tilt_rad + self.bench.alignment.tilt_rad
         turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
-        return (
-            self.bench.alignment.shift_um
-            - middle
-            + turn @ np.array(self.bench.response.centroid_um)
-        )
+        centroid = turn @ np.array(self.bench.response.centroid_um)
+        size = 1 + self.bench.alignment.scale  # the pattern's lengths are that much shorter there
+        return self.bench.alignment.shift_um - middle + size * centroid
 
     def transfer(self, fit: HarmonicFit) -> NDArray[np.complexfloating]:
         """Return the true transfers at a fit's harmonics, phases about the fit's shift."""

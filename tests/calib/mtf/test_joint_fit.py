@@ -66,7 +66,6 @@ def test_z_scores_have_mean_0_and_mean_square_1(detector: DetectorNoise) -> None
 @pytest.mark.soak
 @pytest.mark.parametrize("detector", DETECTORS)
 def test_z_scores_have_mean_0_and_mean_square_1_over_many(detector: DetectorNoise) -> None:
-    # So many recordings would see what 108 unknowns take off the scatter of 1,600 pixels' offsets.
     cover(default_rng(), detector, 300, (80, 80))
 
 
