@@ -21,12 +21,15 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from calib.kernels.rounding import Cells
 from calib.rounding import INVERTIBLE_SIGMA_DN
 
-_SIGMA_DN = np.concatenate([np.arange(0.05, 0.6, 0.0125), np.linspace(0.6, 1.2, 7)])
+_GRID_DN = 0.0125
+_SIGMA_DN = 0.05 + _GRID_DN * np.arange(69)
+"""Up to 0.9 DN, where the first harmonic is below 2e-7."""
 _PHASES = 64
 _PHASE = np.arange(_PHASES) / _PHASES
 _STEP_DN = 1e-4
@@ -53,7 +56,8 @@ class RoundedScatter:
 
 def rounded_scatter(sigma_dn: Cells) -> RoundedScatter:
     """Return what the codes' variances scatter by; below 0.05 DN of noise as at 0.05."""
-    rows = (np.interp(sigma_dn, _SIGMA_DN, row) for row in _table()[0])
+    at, down = _between(sigma_dn)
+    rows = ((1.0 - down) * row[at] + down * row[at + 1] for row in _table()[0])
     spread, fourth, restored, bias, share = rows
     inverted = np.asarray(sigma_dn) >= INVERTIBLE_SIGMA_DN
     return RoundedScatter(
@@ -69,15 +73,22 @@ def share_of_rise(mean_dn: Cells, sigma_dn: Cells) -> Cells:
         sigma_dn: As `mean_dn`.
     """
     _, shares = _table()
-    row = np.interp(sigma_dn, _SIGMA_DN, np.arange(len(_SIGMA_DN)))
+    top, down = _between(sigma_dn)
     column = (mean_dn - np.floor(mean_dn)) * _PHASES
-    top, left = np.minimum(row.astype(np.intp), len(_SIGMA_DN) - 2), column.astype(np.intp)
-    down, right = row - top, column - left
+    left = column.astype(np.intp)
+    right = column - left
     left, beyond = left % _PHASES, (left + 1) % _PHASES
     above = (1.0 - right) * shares[top, left] + right * shares[top, beyond]
     below = (1.0 - right) * shares[top + 1, left] + right * shares[top + 1, beyond]
     share = (1.0 - down) * above + down * below
     return np.where(sigma_dn >= INVERTIBLE_SIGMA_DN, share, 1.0)
+
+
+def _between(sigma_dn: Cells) -> tuple[NDArray[np.intp], Cells]:
+    """Return the row of the table below each σ, and how far it is to the next, 0 to 1."""
+    steps = (np.clip(sigma_dn, _SIGMA_DN[0], _SIGMA_DN[-1]) - _SIGMA_DN[0]) / _GRID_DN
+    row = np.minimum(steps.astype(np.intp), len(_SIGMA_DN) - 2)
+    return row, steps - row
 
 
 @cache

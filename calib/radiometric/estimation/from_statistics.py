@@ -22,6 +22,7 @@ from calib.radiometric.estimation.findings import (
 from calib.radiometric.estimation.parts import Parts, find_parts
 from calib.radiometric.estimation.radiance_table import group_levels
 from calib.radiometric.estimation.responsivity_budget import responsivity_budget
+from calib.radiometric.estimation.sensor_noise import SensorNoise, sensor_noise
 from calib.recording.block_statistics import RecordingStatistics
 from calib.recording.header import RecordingHeader
 
@@ -59,11 +60,17 @@ def determine(
     groups = group_levels(flats.blocks, choices.radiances)
     check_radiance(groups, choices)
     parts = find_parts(flats, darks, groups, header, choices)
-    coefficients = _assemble(parts, flats, darks, header, provenance, relative=choices.relative)
+    noise = sensor_noise(statistics, header.camera, parts.estimate.noise)
+    told = {**provenance.parameters, **noise.provenance}
+    provenance = replace(provenance, parameters=told)
+    coefficients = _assemble(
+        parts, flats, darks, header, provenance, noise=noise, relative=choices.relative
+    )
     comparison = _compare(parts, darks, coefficients)
     warnings = (
         *source_findings(parts.source, parts.scale, choices.relative),
         *line_findings(parts),
+        *noise.warnings,
         *dark_findings(comparison),
         *set_findings(coefficients, choices.relative),
     )
@@ -77,6 +84,7 @@ def _assemble(
     header: RecordingHeader,
     provenance: Provenance,
     *,
+    noise: SensorNoise,
     relative: bool,
 ) -> CoefficientSet:
     """Put the set together."""
@@ -102,10 +110,10 @@ def _assemble(
         dark_current_dn_per_us_std=np.where(valid, estimate.current.std, np.nan),
         reason=estimate.reason,
         scale_relative_std=scale_std,
-        system_gain_dn_per_e=estimate.noise.system_gain_dn_per_e,
-        system_gain_dn_per_e_std=estimate.noise.system_gain_dn_per_e_std,
-        read_noise_e=estimate.noise.read_noise_e,
-        read_noise_e_std=estimate.noise.read_noise_e_std,
+        system_gain_dn_per_e=noise.system_gain_dn_per_e,
+        system_gain_dn_per_e_std=noise.system_gain_dn_per_e_std,
+        read_noise_e=noise.read_noise_e,
+        read_noise_e_std=noise.read_noise_e_std,
         axis_column=parts.vignette.axis_column,
         axis_column_std=parts.vignette.axis_column_std,
         vignette_order=parts.profile.order,

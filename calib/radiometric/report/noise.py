@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.block_statistics import BlockStatistics
 from calib.report.style import BLUE, ORANGE, new_figure
+from calib.rounding import typical_variance
 
-ROUNDING_DN2 = 1.0 / 12.0
 CLASSES = 160
 
 
@@ -23,11 +23,11 @@ def photon_transfer(found: CoefficientSet, blocks: Sequence[BlockStatistics]) ->
         axes.plot(means, pooled, ".", color=BLUE, ms=4, label="variance, pooled by signal")
     gain, read = found.system_gain_dn_per_e, found.read_noise_e
     if np.isfinite(gain) and len(signal):
-        span = np.array([0.0, float(np.max(signal))])
-        floor = (gain * read) ** 2 + ROUNDING_DN2
+        span = np.linspace(0.0, float(np.max(signal)), 200)
+        before_rounding = gain * span + (gain * read) ** 2
         axes.plot(
             span,
-            floor + gain * span,
+            typical_variance(np.sqrt(before_rounding)),
             color=ORANGE,
             label=f"K = {gain:.4g} DN/e⁻, read noise {read:.3g} e⁻",
         )

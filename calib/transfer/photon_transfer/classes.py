@@ -9,6 +9,7 @@ scatter that is expected, or seen where that is larger (cells of a class differ 
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,36 +70,51 @@ def defects(
         usable: Where neither end of the code range is near, (n_blocks, n_cells).
     """
     group = tap * (int(number.max()) + 1) + number
+    order = np.argsort(group, kind="stable")
+    edges = np.flatnonzero(np.diff(group[order], prepend=-1, append=group.max() + 1))
+    spans = [slice(a, b) for a, b in pairwise(edges.tolist())]
     total, count = np.zeros(len(tap)), np.zeros(len(tap))
     bad = np.zeros(len(tap), np.bool_)
     for block, use in zip(blocks, usable, strict=True):
-        z = _deviation(block, group, use)
-        bad |= np.abs(_standardised(z, group)) > _DEFECT_SIGMA
+        z = _deviation(block, order, use, spans)
+        bad |= _is_far(z, spans)  # about a median that `_deviation` has made 0
         total += z
-        count += use
-    over_all = _standardised(total / np.sqrt(np.maximum(count, 1.0)), group)
-    return bad | (np.abs(over_all) > _DEFECT_SIGMA)
-
-
-def _standardised(z: Columns, group: Numbers) -> Columns:
-    """Return z about the median of its class, in units of the class's scatter if that exceeds 1."""
-    found = np.zeros(len(z))
-    for g in np.unique(group):
-        cells = np.flatnonzero(group == g)
-        rest = z[cells] - np.median(z[cells])
-        found[cells] = rest / max(1.0, float(np.median(np.abs(rest))) / 0.6745)
+        count += use[order]
+    found = np.empty(len(tap), np.bool_)
+    over_all = total / np.sqrt(np.maximum(count, 1.0))
+    for span in spans:
+        over_all[span] -= np.median(over_all[span])
+    found[order] = bad | _is_far(over_all, spans)
     return found
 
 
-def _deviation(block: BlockCells, group: Numbers, use: NDArray[np.bool_]) -> Columns:
-    """Return by how many standard deviations each cell's variance is off; 0 where it is unused."""
-    root = np.cbrt(np.maximum(np.nan_to_num(block.variance_dn2), 0.0))
+def _is_far(z: Columns, spans: Sequence[slice]) -> NDArray[np.bool_]:
+    """Return which z lie far from 0, in units of their class's scatter or of 1."""
+    found = np.zeros(len(z), np.bool_)
+    for span in spans:
+        rest = np.abs(z[span])
+        if rest.max() > _DEFECT_SIGMA:
+            found[span] = rest > _DEFECT_SIGMA * max(1.0, float(np.median(rest)) / 0.6745)
+    return found
+
+
+def _deviation(
+    block: BlockCells, order: Numbers, use: NDArray[np.bool_], spans: Sequence[slice]
+) -> Columns:
+    """Return by how many standard deviations each cell's variance is off; 0 where it is unused.
+
+    Cells are in `order`, in which the classes are `spans`.
+    """
+    root = np.cbrt(np.maximum(np.nan_to_num(block.variance_dn2[order]), 0.0))
+    third = np.sqrt(block.square_factor[order] / 9.0)
+    used = use[order]
     z = np.zeros(len(root))
-    for g in np.unique(group[use]):
-        cells = np.flatnonzero(use & (group == g))
-        middle = float(np.median(root[cells]))
-        if len(cells) < _FEWEST or middle <= 0:
+    for span in spans:
+        own, good = root[span], used[span]
+        chosen = own[good]
+        if len(chosen) < _FEWEST:
             continue
-        width = middle * np.sqrt(block.square_factor[cells] / 9.0)
-        z[cells] = (root[cells] - middle) / width
+        middle = float(np.median(chosen))
+        if middle > 0:
+            z[span] = np.where(good, (own - middle) / (middle * third[span]), 0.0)
     return z

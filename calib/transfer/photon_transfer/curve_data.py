@@ -67,6 +67,14 @@ class CurveData:
         """Return the curve."""
         return Shape(**dict(zip(self.names, map(float, parameters), strict=False)))
 
+    def variance_residuals(self, shape: Shape) -> Vector:
+        """Return what the variances are beyond a curve's."""
+        return self.points.variance_dn2 - shape.variance(self.points.signal_dn)
+
+    def mean_residuals(self, parameters: Vector) -> Vector:
+        """Return what the means are beyond what is expected; none without means."""
+        return self._of_means(parameters, self.shape(parameters))[0]
+
     def variance_errors(self, shape: Shape) -> tuple[Vector, Vector, Vector]:
         """Return residuals of the variances, their variances by statistics, and V²."""
         p = self.points
@@ -77,12 +85,18 @@ class CurveData:
 
     def mean_errors(self, parameters: Vector) -> tuple[Vector, Vector, Vector]:
         """Return residuals of the means, their variances by statistics, and s²; none without."""
+        shape = self.shape(parameters)
+        residual, expected = self._of_means(parameters, shape)
+        if self.means is None:
+            return residual, expected, expected
+        return residual, shape.variance(expected) / self.means.samples, expected**2
+
+    def _of_means(self, parameters: Vector, shape: Shape) -> tuple[Vector, Vector]:
+        """Return residuals of the means, and what is expected of them; none without."""
         m = self.means
         if m is None:
-            return np.empty(0), np.empty(0), np.empty(0)
-        shape = self.shape(parameters)
+            return np.empty(0), np.empty(0)
         rate, offset = parameters[len(self.names) : -1], parameters[-1]
         linear = rate[m.group] * (m.exposure_us + offset)
         expected = shape.mean(linear, m.spread)
-        own = shape.variance(expected) / m.samples
-        return m.signal_dn - expected, own, expected**2
+        return m.signal_dn - expected, expected

@@ -8,6 +8,7 @@ source η²s². All is fitted at once, weights anew until they stay.
 
 from dataclasses import dataclass
 from enum import Enum
+from functools import lru_cache
 
 import numpy as np
 
@@ -99,6 +100,8 @@ def fit_curve(points: Points, means: Means | None, model: Model) -> CurveFit:
     """Fit `model` to a tap's points, and to its means where there are any."""
     data = CurveData(points, means, ("system_gain", "read_variance_dn2", *model.value))
     at, scale = data.start, data.scale
+    # Most parameters are levels' responses, which leave the curve as it is.
+    of_variances = lru_cache(maxsize=16)(data.variance_residuals)
     tau2, eta2 = np.zeros(len(points)), 0.0
     for _ in range(_ROUNDS):
         _, own_v, size_v = data.variance_errors(data.shape(at))
@@ -106,7 +109,7 @@ def fit_curve(points: Points, means: Means | None, model: Model) -> CurveFit:
         spread = np.sqrt(np.concatenate([own_v + tau2 * size_v, own_m + eta2 * size_m]))
 
         def residual(p: Vector, spread: Vector = spread) -> Vector:
-            seen = (data.variance_errors(data.shape(p))[0], data.mean_errors(p)[0])
+            seen = of_variances(data.shape(p)), data.mean_residuals(p)
             return np.asarray(np.concatenate(seen) / spread)
 
         solution = solve(residual, at, scale)

@@ -82,10 +82,10 @@ def _cut_darks(
     is seen would let pass those whose variance happens to be small.
     """
     expected = rounded_variance(line.read_variance_dn2)[recorded.tap]
-    top = recorded.full_scale_dn
-    is_dark = np.array([b.block.kind == "dark" for b in blocks])
-    near = np.array([near_an_end(b, top, expected) for b in blocks])
-    return np.asarray(near & is_dark[:, None], np.bool_)
+    top, nowhere = recorded.full_scale_dn, np.zeros(len(recorded.tap), np.bool_)
+    return np.array(
+        [near_an_end(b, top, expected) if b.block.kind == "dark" else nowhere for b in blocks]
+    )
 
 
 def _exceptions(cut: NDArray[np.bool_], tap: Numbers) -> NDArray[np.bool_]:

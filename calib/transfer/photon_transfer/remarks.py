@@ -82,7 +82,7 @@ def _of_tap(tap: TapTransfer) -> Iterator[str]:
             )
     if tap.has_darks:
         yield from _of_rounding(name, tap)
-    if not np.isfinite(tap.choice.bend_sigma):
+    if not tap.choice.fits.tell_of_a_bend:
         yield f"{name}: {tap.choice.why}."
 
 

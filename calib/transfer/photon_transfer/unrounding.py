@@ -87,27 +87,36 @@ def unrounded_cells(
         sigma = np.sqrt(own + _shared(block, tap))
         swings = sigma < NO_SWING_DN
         known = swings & (pixels == 1) & (sigma >= INVERTIBLE_SIGMA_DN)
-        at, lever = _phases(block, sigma, tap, known)
-        known &= np.isfinite(at)
+        phases = _phases(block, sigma, tap, known)
         swinging = swings.any()
-        done.append(_restored(block, np.sqrt(own), sigma, at, lever) if swinging else block)
-        unknown.append(swings & ~known)
-        levers.append(lever)
+        done.append(_restored(block, np.sqrt(own), sigma, phases) if swinging else block)
+        unknown.append(swings & ~np.isfinite(phases.mean_dn))
+        levers.append(phases.lever)
     return UnroundedCells(tuple(done), np.array(unknown), np.array(levers))
+
+
+@dataclass(frozen=True)
+class _Phases:
+    """What mean codes tell, (n_cells,): µ, NaN where it is not known, n·bias of V(µ), lever."""
+
+    mean_dn: Columns
+    bias_dn2: Columns
+    lever: Columns
 
 
 def _phases(
     block: BlockCells, sigma_dn: Columns, tap: Numbers, known: NDArray[np.bool_]
-) -> tuple[Columns, Columns]:
-    """Return µ, NaN where it is not known, and levers, 1 there.
+) -> _Phases:
+    """Find the means behind the codes.
 
     The lever is that of a noise over all phases, times what the phases that a tap's cells have
     in this block make of it on average. Where these lie about half a code, the cells tell so
     little that they are as good as unknown.
     """
-    at, lever = np.full(len(tap), np.nan), np.ones(len(tap))
+    n = len(tap)
+    at, bias, lever = np.full(n, np.nan), np.zeros(n), np.ones(n)
     if not known.any():
-        return at, lever
+        return _Phases(at, bias, lever)
     sigma, taps = sigma_dn[known], tap[known]
     found, _, _ = restored(
         block.mean_dn[known],
@@ -115,27 +124,30 @@ def _phases(
         smallest_dn=INVERTIBLE_SIGMA_DN,
         negligible_dn=NEGLIGIBLE_SIGMA_DN,
     )
-    usual = rounded_scatter(sigma).share_of_rise
-    of_tap = [np.bincount(taps, s) for s in (usual, share_of_rise(found, sigma))]
+    usual = rounded_scatter(sigma)
+    of_tap = [np.bincount(taps, s) for s in (usual.share_of_rise, share_of_rise(found, sigma))]
     share = of_tap[1] / np.maximum(of_tap[0], _TINY)
     enough = (share > _LEAST_SHARE)[taps]
     at[known] = np.where(enough, found, np.nan)
-    lever[known] = np.where(enough, 1.0 / (np.maximum(share, _LEAST_SHARE)[taps] * usual), 1.0)
-    return at, lever
+    bias[known] = usual.restored_bias_dn2
+    own = np.maximum(share, _LEAST_SHARE)[taps] * usual.share_of_rise
+    lever[known] = np.where(enough, 1.0 / own, 1.0)
+    return _Phases(at, bias, lever)
 
 
-def _restored(
-    block: BlockCells, own_dn: Columns, sigma_dn: Columns, at_dn: Columns, lever: Columns
-) -> BlockCells:
+def _restored(block: BlockCells, own_dn: Columns, sigma_dn: Columns, phases: _Phases) -> BlockCells:
     """Return the block with what its cells' phases do taken off."""
-    variance = block.variance_dn2 - mean_square_bias(own_dn) + mean_square_bias(sigma_dn)
-    known = np.isfinite(at_dn)
-    sigma = sigma_dn[known]
-    swing = rounded_moments(at_dn[known], sigma).variance_dn2 - typical_variance(sigma)
-    swing += rounded_scatter(sigma).restored_bias_dn2 / max(block.n_exposures, 1)
+    shared = sigma_dn > own_dn
+    variance = block.variance_dn2.copy()
+    variance[shared] += mean_square_bias(sigma_dn[shared]) - mean_square_bias(own_dn[shared])
+    known = np.isfinite(phases.mean_dn)
+    at, sigma = phases.mean_dn[known], sigma_dn[known]
+    swing = rounded_moments(at, sigma).variance_dn2 - typical_variance(sigma)
+    swing += phases.bias_dn2[known] / max(block.n_exposures, 1)
     expected = typical_variance(own_dn[known])
-    variance[known] = expected + lever[known] * (variance[known] - swing - expected)
-    mean = np.where(known, at_dn, block.mean_dn)
+    off = variance[known] - swing - expected
+    variance[known] = expected + phases.lever[known] * off
+    mean = np.where(known, phases.mean_dn, block.mean_dn)
     return replace(block, mean_dn=mean, variance_dn2=variance)
 
 
