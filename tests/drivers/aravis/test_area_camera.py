@@ -17,7 +17,8 @@ from tests.contracts.simulated_area_camera import (
     SETTINGS,
     SimulatedAreaCameraContract,
 )
-from tests.drivers.aravis.conftest import WAIT_S, opened
+from tests.contracts.simulated_camera import ADDRESS_WAIT_S
+from tests.drivers.aravis.conftest import opened
 
 PACED = replace(SETTINGS, line_period_us=2000.0)
 """Frames that a loaded machine can draw in time."""
@@ -29,7 +30,9 @@ def area_process(
 ) -> Iterator[SimulatedCameraProcess]:
     model_path = tmp_path_factory.mktemp("model") / "area.toml"
     AREA.save(model_path)
-    with SimulatedCameraProcess(model_path, world_path, serial="A1", wait_s=WAIT_S) as process:
+    with SimulatedCameraProcess(
+        model_path, world_path, serial="A1", wait_s=ADDRESS_WAIT_S
+    ) as process:
         yield process
 
 
