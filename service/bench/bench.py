@@ -24,6 +24,7 @@ class Bench:
         caps_by_lamps_off: True where a dark means that the lamps are off.
         sensor_columns: How many columns the camera has, where the bench file's model says so.
         sensor_rows: How many rows an area camera has, likewise.
+        is_area: Whether the camera exposes whole frames; None until somebody has asked it.
         camera_band: The spectral band of the camera, where the bench file's model says so.
         simulated: What stands in for hardware, and injects its faults; None on real hardware.
     """
@@ -50,6 +51,7 @@ class Bench:
         self.caps_by_lamps_off = caps_by_lamps_off
         self.sensor_columns = sensor_columns
         self.sensor_rows = sensor_rows
+        self.is_area: bool | None = None
         self.camera_band = camera_band
         self.simulated = simulated
         self._resources = ExitStack()

@@ -120,10 +120,18 @@ def _rows(plan: Plan, bench: Bench) -> int | None:
     """Return how many rows an area camera is to read out, None of a linescan camera."""
     rows = plan.camera.rows
     if rows is None:
-        is_area = bench.camera.features().get("DeviceScanType") == "Areascan"
-        every = _known_rows(bench) if is_area else bench.sensor_rows
+        every = bench.sensor_rows
+        if every is None and _is_area(bench):
+            every = _told(bench, _HEIGHTS)
         rows = None if every is None else every - plan.camera.first_row
     return rows
+
+
+def _is_area(bench: Bench) -> bool:
+    """Ask once: a camera that was lost answers only when it is configured again."""
+    if bench.is_area is None:
+        bench.is_area = bench.camera.features().get("DeviceScanType") == "Areascan"
+    return bench.is_area
 
 
 def _told(bench: Bench, names: Sequence[str]) -> int | None:

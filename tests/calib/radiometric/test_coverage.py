@@ -39,7 +39,7 @@ class Coverage:
             bound = _bound(tolerance, 4 * self.mean[:, k].std() / np.sqrt(n), n)
             assert abs(mean) < bound, f"{name}: mean z {mean:.3f}"
             sd = np.sqrt(square - mean**2)
-            # No less than normal z have: a few small ones by chance would make their own small, too.
+            # No less than normal z have: small ones by chance would make it small, too.
             by_chance = max(2 * self.square[:, k].std() / np.sqrt(n), 4 / np.sqrt(2 * n))
             bound = _bound(tolerance, by_chance, n)
             assert abs(sd - 1) < bound, f"{name}: sd of z {sd:.3f}"
