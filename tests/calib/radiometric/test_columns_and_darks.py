@@ -96,12 +96,12 @@ def test_a_dark_that_clips_is_left_out_of_the_comparison() -> None:
 def test_stray_light_in_the_darks_is_significant() -> None:
     drawn = draw(BENCH, np.random.default_rng(), pixels=True)
     lifted = tuple(
-        replace(s, mean_dn=s.mean_dn + 2.0) if s.block.kind == "dark" else s
+        replace(s, mean_dn=s.mean_dn + 10.0) if s.block.kind == "dark" else s
         for s in drawn.statistics.fit
     )
     found = determined(BENCH, RecordingStatistics(lifted))
     assert found.darks is not None
-    assert found.darks.difference_dn == pytest.approx(2.0, abs=5 * found.darks.difference_std_dn)
+    assert found.darks.difference_dn == pytest.approx(10.0, abs=5 * found.darks.difference_std_dn)
     assert found.darks.significance_sigma > 6
     assert any("differ by" in text for text in found.warnings)
 
