@@ -91,5 +91,7 @@ def _end_of(block: str, n_lines: int) -> bytes:
 
 
 def _canonical_header(header: RecordingHeader) -> bytes:
-    content = header.model_dump(mode="json", exclude={"camera": _NOT_CONTENT}, exclude_none=True)
+    content = header.model_dump(mode="json", exclude={"camera"}, exclude_none=True)
+    camera = header.camera.content()
+    content["camera"] = {name: camera[name] for name in camera if name not in _NOT_CONTENT}
     return json.dumps(content, sort_keys=True, separators=(",", ":")).encode()

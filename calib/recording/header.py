@@ -4,7 +4,7 @@ The names are those of `recording.toml` and `conditions.csv`, the folder in whic
 are interchanged. Unknown keys are kept (`model_extra`) and reported, never silently dropped.
 """
 
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field
 
@@ -50,6 +50,19 @@ class CameraHeader(_Header):
     def full_scale_dn(self) -> int:
         """The highest code."""
         return (1 << self.bit_depth) - 1
+
+    def content(self) -> dict[str, Any]:
+        """Return what hashes of content are taken over: unknown values are left out.
+
+        So is the start of the region where it is 0, which keeps the names of recordings and sets
+        from before the region was recorded.
+
+        >>> CameraHeader(columns=8, bit_depth=12).content().keys() & {"first_column", "first_row"}
+        set()
+        """
+        told = self.model_dump(mode="json", exclude_none=True)
+        at_0 = {name for name in ("first_column", "first_row") if told.get(name) == 0}
+        return {name: value for name, value in told.items() if name not in at_0}
 
     @property
     def region(self) -> str:

@@ -66,7 +66,7 @@ def to_metadata(coefficients: Described) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "reason_codes": {state.name.lower(): int(state) for state in ColumnState},
-        "camera": coefficients.camera.model_dump(mode="json", exclude_none=True),
+        "camera": coefficients.camera.content(),
         "domain": asdict(coefficients.domain),
         "budget": asdict(coefficients.budget),
         "provenance": asdict(coefficients.provenance),

@@ -51,6 +51,16 @@ def test_the_id_changes_with_whatever_changes(changes: dict[str, object]) -> Non
     assert example_set(**changes).id != example_set().id
 
 
+def test_a_set_from_before_the_region_was_recorded_keeps_its_id(tmp_path: Path) -> None:
+    camera = example_set().camera
+    assert (camera.first_column, camera.sensor_columns) == (0, None)
+    assert not {"first_column", "first_row", "sensor_columns"} & camera.content().keys()
+    elsewhere = example_set(camera=camera.model_copy(update={"first_column": 512}))
+    assert elsewhere.id != example_set().id
+    elsewhere.save(tmp_path / "set.h5")
+    assert CoefficientSet.load(tmp_path / "set.h5").camera.first_column == 512
+
+
 @pytest.mark.parametrize("name", ["dark_offset_dn", "responsivity_std", "valid", "reason"])
 def test_an_altered_array_is_refused(tmp_path: Path, name: str) -> None:
     path = tmp_path / "set.h5"
