@@ -61,6 +61,7 @@ class FrameStream:
         self._ids = FrameIds()
         self._underruns = 0
         self._damage_without_id = ""
+        self._foreign = 0
         self._payload = self._checked_payload()
         warm_up(FORMATS[settings.pixel_format])
         self._stream = self._created()
@@ -93,6 +94,8 @@ class FrameStream:
             f"{report.missing_packets} packets missing after {report.resend_requests} resend "
             f"requests, {report.underruns} without a free buffer"
         )
+        if self._foreign:
+            counted = f"{counted}, {self._foreign} that are no part of a frame"
         if report.missing_packets and limit is not None and limit < self._payload:
             return f"{counted}; a frame is larger than the kernel's net.core.rmem_max of {limit}"
         return counted
@@ -147,8 +150,16 @@ class FrameStream:
             self._camera.gv_set_packet_size(self._options.packet_size)
 
     def _judged(self, buffer: GiBuffer) -> tuple[ArrivedFrame | LostFrame, ...]:
+        """Say what came in `buffer`.
+
+        One that nothing was written into is no frame: Aravis spends it on a packet that it cannot
+        read. Its packet socket hears all that the machine hears until its filter is attached.
+        """
         frame_id = buffer.get_frame_id()
         status = buffer.get_status()
+        if status == aravis().BufferStatus.CLEARED:
+            self._foreign += 1
+            return ()
         is_whole = status == aravis().BufferStatus.SUCCESS
         damage = "" if is_whole else str(getattr(status, "value_nick", status))
         if damage and not self._ids.may_be_next(frame_id):
