@@ -43,45 +43,58 @@ class RoundedScatter:
         variance_spread_dn4: Mean square of V(µ) − V̄, DN⁴.
         fourth_cumulant_dn4: κ4 of the codes.
         restored_dn4: What n·var(v − h(m)) has beyond n·var(v), DN⁴; 0 where µ is not found back.
-        restored_bias_dn2: n·E(v − h(m)), DN²; 0 where µ is not found back.
         share_of_rise: dh/dσ² at a given mean code, by dV̄/dσ²; 1 where µ is not found back.
     """
 
     variance_spread_dn4: Cells
     fourth_cumulant_dn4: Cells
     restored_dn4: Cells
-    restored_bias_dn2: Cells
     share_of_rise: Cells
+
+
+@dataclass(frozen=True)
+class RestoredScatter:
+    """What holds of one phase; arrays of the shape of µ and σ.
+
+    Attributes:
+        share_of_rise: As in `RoundedScatter`, where it is averaged.
+        bias_dn2: n·E(v − h(m)), DN²; 0 where µ is not found back.
+    """
+
+    share_of_rise: Cells
+    bias_dn2: Cells
 
 
 def rounded_scatter(sigma_dn: Cells) -> RoundedScatter:
     """Return what the codes' variances scatter by; below 0.05 DN of noise as at 0.05."""
     at, down = _between(sigma_dn)
     rows = ((1.0 - down) * row[at] + down * row[at + 1] for row in _table()[0])
-    spread, fourth, restored, bias, share = rows
+    spread, fourth, restored, share = rows
     inverted = np.asarray(sigma_dn) >= INVERTIBLE_SIGMA_DN
-    return RoundedScatter(
-        spread, fourth, inverted * restored, inverted * bias, np.where(inverted, share, 1.0)
-    )
+    return RoundedScatter(spread, fourth, inverted * restored, np.where(inverted, share, 1.0))
 
 
-def share_of_rise(mean_dn: Cells, sigma_dn: Cells) -> Cells:
-    """Return the same as `RoundedScatter.share_of_rise`, but of one phase.
+def restored_scatter(mean_dn: Cells, sigma_dn: Cells) -> RestoredScatter:
+    """Return what v − h(m) does at the phases of `mean_dn`.
 
     Args:
-        mean_dn: µ.
+        mean_dn: µ, found back.
         sigma_dn: As `mean_dn`.
     """
-    _, shares = _table()
+    _, shares, biases = _table()
     top, down = _between(sigma_dn)
     column = (mean_dn - np.floor(mean_dn)) * _PHASES
     left = column.astype(np.intp)
     right = column - left
     left, beyond = left % _PHASES, (left + 1) % _PHASES
-    above = (1.0 - right) * shares[top, left] + right * shares[top, beyond]
-    below = (1.0 - right) * shares[top + 1, left] + right * shares[top + 1, beyond]
-    share = (1.0 - down) * above + down * below
-    return np.where(sigma_dn >= INVERTIBLE_SIGMA_DN, share, 1.0)
+
+    def at(table: Cells) -> Cells:
+        above = (1.0 - right) * table[top, left] + right * table[top, beyond]
+        below = (1.0 - right) * table[top + 1, left] + right * table[top + 1, beyond]
+        return (1.0 - down) * above + down * below
+
+    inverted = sigma_dn >= INVERTIBLE_SIGMA_DN
+    return RestoredScatter(np.where(inverted, at(shares), 1.0), inverted * at(biases))
 
 
 def _between(sigma_dn: Cells) -> tuple[NDArray[np.intp], Cells]:
@@ -92,28 +105,27 @@ def _between(sigma_dn: Cells) -> tuple[NDArray[np.intp], Cells]:
 
 
 @cache
-def _table() -> tuple[Cells, Cells]:
-    """Return five averages at each σ, (5, n_sigma), and shares by σ and phase."""
-    averages, shares = zip(*(_at(float(sigma)) for sigma in _SIGMA_DN), strict=True)
-    return np.array(averages).T, np.array(shares)
+def _table() -> tuple[Cells, Cells, Cells]:
+    """Return four averages at each σ, (4, n_sigma), and shares and biases by σ and phase."""
+    averages, shares, biases = zip(*(_at(float(sigma)) for sigma in _SIGMA_DN), strict=True)
+    return np.array(averages).T, np.array(shares), np.array(biases)
 
 
-def _at(sigma: float) -> tuple[tuple[float, ...], Cells]:
+def _at(sigma: float) -> tuple[tuple[float, ...], Cells, Cells]:
     """Sum over codes at evenly spread phases: exact for harmonics below their number."""
     mean, second, third, fourth = _moments(sigma)
     spread = float(second.var())
     cumulant = float((fourth - 3.0 * second**2).mean())
     if sigma < 0.9 * INVERTIBLE_SIGMA_DN:  # below, the mean code hardly moves with the mean
-        return (spread, cumulant, 0.0, 0.0, 1.0), np.ones(_PHASES)
+        return (spread, cumulant, 0.0, 1.0), np.ones(_PHASES), np.zeros(_PHASES)
     gain = 1.0 + _derivative(mean - _PHASE)
     slope = _derivative(second) / gain
     bend = _derivative(slope) / gain
     restored = float((slope**2 * second - 2.0 * slope * third).mean())
     above, below = _moments(sigma + _STEP_DN), _moments(sigma - _STEP_DN)
     rise, shift = above[1] - below[1], above[0] - below[0]
-    bias = float(-0.5 * (bend * second).mean())
     share = (rise - slope * shift) / rise.mean()
-    return (spread, cumulant, restored, bias, float(share.mean())), share
+    return (spread, cumulant, restored, float(share.mean())), share, -0.5 * bend * second
 
 
 def _moments(sigma: float) -> tuple[Cells, Cells, Cells, Cells]:

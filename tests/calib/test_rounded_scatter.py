@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.rounded_scatter import rounded_scatter, share_of_rise
+from calib.rounded_scatter import restored_scatter, rounded_scatter
 from calib.rounding import rounded_moments, typical_variance, unrounded_mean
 
 N_CELLS, N_LINES = 40_000, 48
@@ -27,12 +27,24 @@ def test_variances_scatter_as_the_table_says(sigma: float) -> None:
         return
     at = unrounded_mean(codes.mean(axis=0), each).mean_dn
     left = seen - rounded_moments(at, each).variance_dn2
-    bias = found.restored_bias_dn2[0] / N_LINES
+    bias = restored_scatter(phase, each).bias_dn2.mean() / N_LINES
     # Terms beyond the second order in 1/n: a fifth of the second at σ = 0.25.
     assert abs(left.mean() - bias) < 4 * left.std() / np.sqrt(N_CELLS) + 0.25 * abs(bias)
     expected = own + found.restored_dn4[0] / N_LINES
     chance = 4 * ((left - bias) ** 2).std() / np.sqrt(N_CELLS)
     assert abs(left.var() - expected) < chance + 0.1 * expected
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.25, 0.5])
+def test_the_bias_is_that_of_the_phase(phase: float) -> None:
+    rng, sigma = np.random.default_rng(), 0.3
+    codes = np.rint(20.0 + phase + sigma * rng.standard_normal((N_LINES, N_CELLS)))
+    each = np.full(N_CELLS, sigma)
+    at = unrounded_mean(codes.mean(axis=0), each).mean_dn
+    left = codes.var(axis=0, ddof=1) - rounded_moments(at, each).variance_dn2
+    bias = restored_scatter(np.array([phase]), each[:1]).bias_dn2[0] / N_LINES
+    # Third order: some 20 % of the second at whole codes.
+    assert abs(left.mean() - bias) < 4 * left.std() / np.sqrt(N_CELLS) + 0.25 * abs(bias)
 
 
 @pytest.mark.parametrize("phase", [0.0, 0.3, 0.5, None])
@@ -52,7 +64,7 @@ def test_the_share_is_what_a_variance_at_a_given_mean_code_moves_by(phase: float
 
     rise = at_the_code(sigma + step) - at_the_code(sigma - step)
     share = rise / (average(sigma + step) - average(sigma - step))
-    assert share_of_rise(phases, each).mean() == pytest.approx(share, abs=0.01)
+    assert restored_scatter(phases, each).share_of_rise.mean() == pytest.approx(share, abs=0.01)
     if phase is None:
         assert rounded_scatter(each).share_of_rise[0] == pytest.approx(share, abs=0.01)
 

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from calib.arrays import Columns
 from calib.kernels.unrounding import restored
-from calib.rounded_scatter import rounded_scatter, share_of_rise
+from calib.rounded_scatter import restored_scatter, rounded_scatter
 from calib.rounding import (
     INVERTIBLE_SIGMA_DN,
     NEGLIGIBLE_SIGMA_DN,
@@ -124,13 +124,13 @@ def _phases(
         smallest_dn=INVERTIBLE_SIGMA_DN,
         negligible_dn=NEGLIGIBLE_SIGMA_DN,
     )
-    usual = rounded_scatter(sigma)
-    of_tap = [np.bincount(taps, s) for s in (usual.share_of_rise, share_of_rise(found, sigma))]
+    usual, seen = rounded_scatter(sigma).share_of_rise, restored_scatter(found, sigma)
+    of_tap = [np.bincount(taps, s) for s in (usual, seen.share_of_rise)]
     share = of_tap[1] / np.maximum(of_tap[0], _TINY)
     enough = (share > _LEAST_SHARE)[taps]
     at[known] = np.where(enough, found, np.nan)
-    bias[known] = usual.restored_bias_dn2
-    own = np.maximum(share, _LEAST_SHARE)[taps] * usual.share_of_rise
+    bias[known] = seen.bias_dn2
+    own = np.maximum(share, _LEAST_SHARE)[taps] * usual
     lever[known] = np.where(enough, 1.0 / own, 1.0)
     return _Phases(at, bias, lever)
 
