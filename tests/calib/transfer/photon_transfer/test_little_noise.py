@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from calib.recording.header import CameraHeader
+from calib.recording.block_statistics import BlockStatistics
+from calib.recording.header import Block, CameraHeader
+from calib.transfer.photon_transfer.dark_level import dark_level
 from calib.transfer.photon_transfer.measure import photon_transfer
+from calib.transfer.photon_transfer.noise_line import NoiseLine
+from calib.transfer.photon_transfer.recorded_cells import from_column_statistics
 from calib.transfer.photon_transfer.rounding_state import Rounding
+from calib.transfer.photon_transfer.unrounding import unrounded_cells
+from calib.transfer.photon_transfer.variance_curve import rounded_variance
 from tests.calib.transfer.photon_transfer.little_noise import EightBits
 from tests.calib.transfer.photon_transfer.little_noise_coverage import (
     WAYS,
@@ -82,6 +88,29 @@ def test_pixels_of_one_phase_that_is_not_known_make_the_noise_unsure() -> None:
     assert alike.read_variance_dn2.std > 1.5 * spread.read_variance_dn2.std
     off = (alike.read_variance_dn2.value - SMALL.read_dn**2) / alike.read_variance_dn2.std
     assert abs(off) < 4
+
+
+@pytest.mark.parametrize("wrong", [0.94, 1.06])
+def test_what_is_undone_does_not_hang_on_the_noise_that_it_was_undone_with(wrong: float) -> None:
+    sigma, n_lines, n = 0.28, 200, 40_000
+    rng = np.random.default_rng()
+    codes = np.rint(20.0 + rng.random(n) + sigma * rng.standard_normal((n_lines, n)))
+    block = Block(block="0", kind="dark", exposure_us=1.0, level=0.0)
+    none = np.zeros(n, np.int64)
+    seen = BlockStatistics(
+        block, n_lines, codes.mean(axis=0), codes.var(axis=0, ddof=1), none, none
+    )
+    recorded = from_column_statistics(CameraHeader(columns=n, bit_depth=8), [seen])
+    line = NoiseLine(np.zeros(1), np.array([wrong * sigma**2]))
+    level = dark_level(recorded.blocks, recorded.tap, recorded.pixels)
+    done = unrounded_cells(recorded.blocks, level, line, tap=recorded.tap, pixels=recorded.pixels)
+    assert not done.unknown.any()
+    (undone,) = done.blocks
+    truth = rounded_variance(np.array([sigma**2]))[0]
+    shift = abs(rounded_variance(np.array([wrong * sigma**2]))[0] - truth)
+    off = undone.variance_dn2.mean() - truth
+    # Half of the shift would be left without the lever; its second order is left with it.
+    assert abs(off) < 4 * undone.variance_dn2.std() / np.sqrt(n) + 0.15 * shift
 
 
 @pytest.mark.parametrize("sigma", [0.17, 0.3])
