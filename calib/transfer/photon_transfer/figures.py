@@ -1,5 +1,6 @@
 """Figures of photon transfer: the curve with its models, and covariances of neighbours."""
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -60,7 +61,8 @@ def _drawn(tap: TapTransfer) -> Iterator[CurveFit]:
 
 def _told(fit: CurveFit) -> str:
     gain, std = fit.shape.system_gain, fit.std("system_gain")
-    return f"{_WORDS[fit.model]}: K = {gain:.4f} ± {std:.4f} DN/e⁻"
+    digits = max(4, 1 - math.floor(math.log10(std))) if 0 < std < math.inf else 4
+    return f"{_WORDS[fit.model]}: K = {gain:.{digits}f} ± {std:.{digits}f} DN/e⁻"
 
 
 def _scatter(axes: Axes, signal: Columns, value: Columns, tap: TapTransfer) -> None:
@@ -72,14 +74,15 @@ def _scatter(axes: Axes, signal: Columns, value: Columns, tap: TapTransfer) -> N
 def _by_signal(axes: Axes, tap: TapTransfer, grid: Columns) -> None:
     """Draw (variance − read noise)/signal, which a straight line would leave level."""
     points = tap.points.where(tap.used.use & ~tap.points.is_dark)
-    floor = tap.shape.variance(np.zeros(1))[0]
-    ratio = (points.variance_dn2 - floor) / points.signal_dn
     expected = tap.shape.variance(points.signal_dn)
+    rounding = expected - tap.shape.variance_before_rounding(points.signal_dn)
+    floor = tap.shape.read_variance_dn2 + rounding
+    ratio = (points.variance_dn2 - floor) / points.signal_dn
     error = np.sqrt(points.square_factor) * expected / points.signal_dn
     axes.errorbar(points.signal_dn, ratio, error, fmt=".", color=BLUE, ms=4, elinewidth=0.8)
     inner = grid[grid > 0.02 * grid.max()]
     for fit in _drawn(tap):
-        level = fit.shape.variance(inner) - fit.shape.variance(np.zeros(1))[0]
+        level = fit.shape.variance_before_rounding(inner) - fit.shape.read_variance_dn2
         axes.plot(inner, level / inner, color=_COLOURS[fit.model])
     low, high = np.quantile(ratio, [0.02, 0.98])
     room = 0.35 * (high - low) + 2.0 * float(np.median(error))
