@@ -14,12 +14,13 @@ from numpy.random import Generator
 
 from calib.arrays import Lines, by_line
 from calib.forward.conditions import Conditions
-from calib.forward.effect import Effect, Stage
+from calib.forward.departure import Departure, Statistic, Variable
+from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 
 
 @dataclass(frozen=True)
-class Banding(Effect):
+class Banding(Departure):
     """Add a sine of the pixel's read-out time; a line's columns take one line period to read.
 
     So do a frame's pixels, row by row: of an area sensor that is the time from frame to frame.
@@ -33,6 +34,11 @@ class Banding(Effect):
     name: ClassVar[str] = "banding"
     stage: ClassVar[Stage] = Stage.VOLTS
     stochastic: ClassVar[bool] = False
+    physics: ClassVar[str] = (
+        "A tone of the electronics runs through the pixels as they are read out."
+    )
+    shows_in: ClassVar[Statistic] = "spectrum"
+    depends_on: ClassVar[tuple[Variable, ...]] = ("line", "column")
 
     amplitude_dn: float = parameter(1.0, unit="DN", low=0.0, high=1e5, neutral=0.0)
     frequency_hz: float = parameter(12_345.0, unit="Hz", low=0.0, high=1e9)

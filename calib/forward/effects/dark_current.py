@@ -13,14 +13,15 @@ from numpy.random import Generator
 
 from calib.arrays import Lines, Pixels, SampleShape
 from calib.forward.conditions import Conditions
-from calib.forward.effect import Effect, Stage
+from calib.forward.departure import Departure, Statistic, Variable
+from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.pattern import check_length, explicit_pattern, normal_pattern, pixel_count
 from calib.recording.header import CameraHeader
 
 
 @dataclass(frozen=True)
-class DarkCurrent(Effect):
+class DarkCurrent(Departure):
     """Add rate x exposure time to the expected electrons, whatever the temperature.
 
     Attributes:
@@ -34,6 +35,9 @@ class DarkCurrent(Effect):
     stage: ClassVar[Stage] = Stage.CHARGE
     stochastic: ClassVar[bool] = False
     separable: ClassVar[bool] = True
+    physics: ClassVar[str] = "Charge gathers without light, in each pixel at its own rate: + d t."
+    shows_in: ClassVar[Statistic] = "mean"
+    depends_on: ClassVar[tuple[Variable, ...]] = ("exposure", "column")
 
     electrons_per_us: float = parameter(0.01, unit="e-/us", low=0.0, high=1e6, neutral=0.0)
     dsnu_std_e_per_us: float = parameter(0.001, unit="e-/us", low=0.0, high=1e6, neutral=0.0)

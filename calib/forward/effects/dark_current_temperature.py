@@ -12,13 +12,14 @@ from numpy.random import Generator
 
 from calib.arrays import Lines, Pixels, SampleShape
 from calib.forward.conditions import Conditions
-from calib.forward.effect import Effect, Stage
+from calib.forward.departure import Departure, Statistic, Variable
+from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.pattern import normal_pattern
 
 
 @dataclass(frozen=True)
-class DarkCurrentTemperature(Effect):
+class DarkCurrentTemperature(Departure):
     """Add rate x 2^((T - reference) / doubling) x exposure time to the expected electrons.
 
     It is the whole dark current of a sensor whose temperature varies; together with
@@ -36,6 +37,11 @@ class DarkCurrentTemperature(Effect):
     stage: ClassVar[Stage] = Stage.CHARGE
     stochastic: ClassVar[bool] = False
     separable: ClassVar[bool] = True
+    physics: ClassVar[str] = (
+        "Dark current grows with the sensor's temperature, double every few kelvin."
+    )
+    shows_in: ClassVar[Statistic] = "mean"
+    depends_on: ClassVar[tuple[Variable, ...]] = ("temperature", "exposure")
 
     electrons_per_us: float = parameter(0.01, unit="e-/us", low=0.0, high=1e6, neutral=0.0)
     dsnu_std_e_per_us: float = parameter(0.001, unit="e-/us", low=0.0, high=1e6, neutral=0.0)

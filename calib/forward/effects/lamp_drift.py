@@ -12,12 +12,13 @@ from numpy.random import Generator
 
 from calib.arrays import Columns, Lines, by_line
 from calib.forward.conditions import Conditions
-from calib.forward.effect import Effect, Stage
+from calib.forward.departure import Departure, Statistic, Variable
+from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 
 
 @dataclass(frozen=True)
-class LampDrift(Effect):
+class LampDrift(Departure):
     """Scale the radiance by 1 + amplitude (1 - exp(-time / time_constant)).
 
     Attributes:
@@ -29,6 +30,11 @@ class LampDrift(Effect):
     stage: ClassVar[Stage] = Stage.SOURCE
     stochastic: ClassVar[bool] = False
     separable: ClassVar[bool] = True
+    physics: ClassVar[str] = (
+        "The lamp brightens or fades with wall time: L -> L (1 + a (1 - exp(-t/T)))."
+    )
+    shows_in: ClassVar[Statistic] = "mean"
+    depends_on: ClassVar[tuple[Variable, ...]] = ("time", "level")
 
     amplitude: float = parameter(0.01, unit="1", low=-0.9, high=10.0, neutral=0.0)
     time_constant_s: float = parameter(300.0, unit="s", low=1e-3, high=1e9)

@@ -12,12 +12,13 @@ from numpy.random import Generator
 
 from calib.arrays import Lines
 from calib.forward.conditions import Conditions
-from calib.forward.effect import Effect, Stage
+from calib.forward.departure import Departure, Statistic, Variable
+from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 
 
 @dataclass(frozen=True)
-class LineNoise(Effect):
+class LineNoise(Departure):
     """Shift each line, of a frame each row, by Gaussian noise, white from one to the next.
 
     Attributes:
@@ -27,6 +28,11 @@ class LineNoise(Effect):
     name: ClassVar[str] = "line_noise"
     stage: ClassVar[Stage] = Stage.VOLTS
     stochastic: ClassVar[bool] = True
+    physics: ClassVar[str] = (
+        "Each line has an offset of its own, white from line to line, whatever the signal."
+    )
+    shows_in: ClassVar[Statistic] = "column_covariance"
+    depends_on: ClassVar[tuple[Variable, ...]] = ("line",)
 
     std_dn: float = parameter(0.5, unit="DN", low=0.0, high=1e5, neutral=0.0)
 

@@ -11,12 +11,13 @@ from numpy.random import Generator
 
 from calib.arrays import Lines
 from calib.forward.conditions import Conditions
-from calib.forward.effect import Effect, Stage
+from calib.forward.departure import Departure, Statistic, Variable
+from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 
 
 @dataclass(frozen=True)
-class Nonlinearity(Effect):
+class Nonlinearity(Departure):
     """Bend the signal above the offset.
 
     Attributes:
@@ -26,6 +27,9 @@ class Nonlinearity(Effect):
     name: ClassVar[str] = "nonlinearity"
     stage: ClassVar[Stage] = Stage.VOLTS
     stochastic: ClassVar[bool] = False
+    physics: ClassVar[str] = "The output stage bends: DN = s (1 - beta s) of a signal s."
+    shows_in: ClassVar[Statistic] = "mean"
+    depends_on: ClassVar[tuple[Variable, ...]] = ("signal",)
 
     beta_per_dn: float = parameter(2e-6, unit="1/DN", low=-1e-2, high=1e-2, neutral=0.0)
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from calib.errors import InputError
 from calib.forward.conditions import Conditions
+from calib.forward.departure import Departure
 from calib.forward.effect import Effect
 from calib.forward.effects.catalogue import CATALOGUE, effect_named
 from calib.forward.parameter import from_table, parameters_of, to_table
@@ -131,3 +132,13 @@ def test_an_unknown_effect_is_named_with_the_known_ones() -> None:
     with pytest.raises(InputError, match=r"vignete.*vignette") as caught:
         effect_named("vignete")
     assert caught.value.code == "unknown-effect"
+
+
+@pytest.mark.parametrize(
+    "kind", [k for k in CATALOGUE if issubclass(k, Departure)], ids=lambda kind: kind.name
+)
+def test_a_departure_says_what_it_is_and_where_it_shows(kind: type[Departure]) -> None:
+    assert kind.physics.endswith(".")
+    assert kind.shows_in
+    assert kind.depends_on
+    assert neutral(kind) is not None, "its absence has no name"
