@@ -1,6 +1,7 @@
 """Each column's exact statistics, block by block, in one pass over the recording."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -62,8 +63,7 @@ def column_statistics(
     if tone is not None:
         check_tone(tone, recording.header.camera.rows)
     blocks = recording.header.blocks
-    fit: list[BlockStatistics] = []
-    held_out: list[BlockStatistics] = []
+    collected = _Collected()
     with Behind(_FRAMES_BEHIND) as adder:
         for number, block in enumerate(blocks):
             sums, n_lines = _BlockSums(recording.header.camera, tone, held_out_every), 0
@@ -75,12 +75,23 @@ def column_statistics(
                 n_lines += len(dn)
                 if progress is not None:
                     progress((number + min(1.0, n_lines / (block.lines or np.inf))) / len(blocks))
-            adder.catch_up()
+            adder.submit(partial(collected.close, sums), block)
             if progress is not None:
                 progress((number + 1) / len(blocks))
-            fit.append(sums.fit(block))
-            held_out.extend(sums.held_out(block))
-    return RecordingStatistics(tuple(fit), tuple(held_out))
+        adder.catch_up()
+    return RecordingStatistics(tuple(collected.fit), tuple(collected.held_out))
+
+
+class _Collected:
+    """The blocks' statistics, in order, each from when its last frame is added up."""
+
+    def __init__(self) -> None:
+        self.fit: list[BlockStatistics] = []
+        self.held_out: list[BlockStatistics] = []
+
+    def close(self, sums: "_BlockSums", block: Block) -> None:
+        self.fit.append(sums.fit(block))
+        self.held_out.extend(sums.held_out(block))
 
 
 class _BlockSums:
