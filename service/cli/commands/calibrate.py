@@ -52,6 +52,10 @@ def calibrate(
     ] = 0.0,
     relative: Annotated[bool, typer.Option("--relative", help="Do without radiances")] = False,
     no_darks: Annotated[bool, typer.Option("--no-darks", help="Do without capped darks")] = False,
+    ignore_monitor: Annotated[
+        bool,
+        typer.Option("--ignore-monitor", help="Do not correct the light by what the monitor read"),
+    ] = False,
     order: Annotated[
         int | None, typer.Option(min=2, max=20, help="Of the vignette; chosen where not given")
     ] = None,
@@ -110,6 +114,7 @@ def calibrate(
                 order=order,
                 relative=relative,
                 darks_required=not no_darks,
+                monitor="ignore" if ignore_monitor else "use",
                 progress=share_of(tell, "statistics of every column"),
             )
         with _report(report, opened, calibration, known_tone):

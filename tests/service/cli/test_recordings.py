@@ -98,6 +98,19 @@ def test_export_and_import_keep_the_content(run: Run, recording_file: Path, tmp_
     assert open_recording(back).digest() == open_recording(recording_file).digest()
 
 
+@pytest.mark.parametrize(
+    ("options", "verdict"),
+    [((), "none"), (("--ignore-monitor",), "ignored")],
+    ids=["as is", "told"],
+)
+def test_a_monitor_is_ignored_where_one_says_so(
+    run: Run, recording_file: Path, tmp_path: Path, options: tuple[str, ...], verdict: str
+) -> None:
+    assert run("calibrate", recording_file, "--out", tmp_path / "set.h5", *options).status == 0
+    told = CoefficientSet.load(tmp_path / "set.h5").provenance.parameters
+    assert told["monitor"] == verdict
+
+
 def test_calibrate_answers_as_the_contract_says(
     run: Run, recording_file: Path, tmp_path: Path
 ) -> None:
