@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from calib.errors import NotDeterminedError
-from calib.recording.durable import disk_errors, write_whole
+from calib.recording.durable import write_whole
 from calib.transfer.characterisation import Characterisation
 from calib.transfer.emva1288.machine_readable import to_json, to_xml
 from calib.transfer.emva1288.report.page import write_page
@@ -22,5 +22,4 @@ def write_sheet(found: Characterisation, report: Path | None, data_sheet: Path |
         text = (to_xml if data_sheet.suffix == ".xml" else to_json)(found.sheet)
         write_whole(data_sheet, text.encode("utf-8"))
     if report is not None:
-        with disk_errors(report):
-            write_page(report, found.sheet)
+        write_page(report, found.sheet)

@@ -9,9 +9,9 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
+from calib.recording.durable import write_whole
 from calib.report.camera_words import camera_name
 from calib.report.style import as_svg, house_style
-from calib.transfer.emva1288.machine_readable import write_text
 from calib.transfer.emva1288.report import spatial, temporal, words
 from calib.transfer.emva1288.sheet import METHOD, DataSheet
 
@@ -90,4 +90,4 @@ def write_page(path: Path, sheet: DataSheet) -> None:
         sections=words.sections(sheet),
         pictures=pictures,
     )
-    write_text(path, page)
+    write_whole(path, page.encode())

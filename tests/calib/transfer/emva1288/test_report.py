@@ -2,7 +2,6 @@
 
 import json
 import re
-from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 
 from calib.transfer.emva1288.catalogue import CATALOGUE
 from calib.transfer.emva1288.data_sheet import data_sheet
-from calib.transfer.emva1288.machine_readable import to_json, to_xml, write_text
+from calib.transfer.emva1288.machine_readable import to_json, to_xml
 from calib.transfer.emva1288.report.page import CAPTIONS, figures, write_page
 from calib.transfer.emva1288.report.words import rounded
 from calib.transfer.emva1288.sheet import DataSheet
@@ -110,9 +109,3 @@ def test_xml_says_why_a_figure_is_missing(line: DataSheet) -> None:
     root = ET.fromstring(to_xml(line))  # noqa: S314 - our own
     assert root.findtext("sensitivity/QE/Value") == "nan"
     assert "photons_per_pixel_per_us" in root.findtext("sensitivity/QE/Comment", "")
-
-
-def test_a_page_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        write_text(tmp_path / "nowhere" / "sheet.html", "text")
-    assert list(tmp_path.iterdir()) == []
