@@ -105,7 +105,7 @@ def _deviation(
 
     Cells are in `order`, in which the classes are `spans`.
     """
-    root = np.cbrt(np.maximum(np.nan_to_num(block.variance_dn2[order]), 0.0))
+    root = np.cbrt(np.fmax(block.variance_dn2[order], 0.0))  # of NaN, 0
     third = np.sqrt(block.square_factor[order] / 9.0)
     used = use[order]
     z = np.zeros(len(root))
