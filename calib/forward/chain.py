@@ -4,12 +4,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.random import Generator
+from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
 
 from calib.arrays import Columns, Lines, Pixels, by_line
 from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect, Stage
+from calib.forward.left import Left
+from calib.forward.remembering import Remembering
 
 
 @dataclass(frozen=True)
@@ -44,18 +46,55 @@ def run(
 
     Radiance becomes radiance x us on leaving the source.
     """
-    exposed = entered > Stage.SOURCE
+    return run_on(effects, signal, at, rng, entered=entered)[0]
+
+
+def run_on(
+    effects: Iterable[Effect],
+    signal: Lines,
+    at: Conditions,
+    rng: Generator,
+    *,
+    entered: Stage = Stage.SOURCE,
+) -> tuple[Lines, Left | None]:
+    """Return what `run` does, and what the lines leave; None where no effect has memory."""
+    exposed, states = entered > Stage.SOURCE, {}
     for effect in effects:
         if not exposed and effect.stage > Stage.SOURCE:
             signal = signal * at.exposure_us
             exposed = True
-        signal = effect.apply(signal, at, rng)
-    return signal
+        if isinstance(effect, Remembering):
+            signal, states[effect.name] = effect.carry(signal, at, rng)
+        else:
+            signal = effect.apply(signal, at, rng)
+    return signal, Left(at.ended_s, states, drawn=True) if states else None
 
 
 def without_noise(effects: Iterable[Effect]) -> tuple[Effect, ...]:
     """Return the effects that draw no random numbers."""
     return tuple(effect for effect in effects if not effect.stochastic)
+
+
+def expected_left(effects: tuple[Effect, ...], scene: Lines, at: Conditions) -> Left | None:
+    """Return what lines of `scene` leave on average, without drawing them; None: no memory.
+
+    Args:
+        effects: The whole chain, in order.
+        scene: Radiance, (1, *sample) where all lines see the same, else (n_lines, *sample); in the
+            first case, the lines are taken to be as the one in the middle.
+        at: The conditions of all lines, and what was left before them.
+    """
+    remembering = [(k, e) for k, e in enumerate(effects) if isinstance(e, Remembering)]
+    if not remembering:
+        return None
+    middle = np.array([at.line_times_s.mean()])
+    seen = at if len(scene) > 1 else replace(at, line_times_s=middle)
+    states, rng = {}, default_rng(0)  # no link draws from it
+    for k, effect in remembering:
+        states[effect.name] = effect.expected_left(
+            run(without_noise(effects[:k]), scene, seen, rng), at
+        )
+    return Left(at.ended_s, states, drawn=False)
 
 
 def expected_electrons(

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.arrays import Columns
+from calib.arrays import Columns, Pixels
+from calib.forward.left import Left
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,7 @@ class Conditions:
         sensor_temperature_c: The sensor's temperature.
         gain_db: The camera's own gain setting, on top of the model's system gain.
         black_level_dn: The camera's own black level, on top of the model's offset.
+        before: What earlier lines left in the pixels; None for a sensor at rest.
     """
 
     exposure_us: float
@@ -33,11 +35,39 @@ class Conditions:
     sensor_temperature_c: float = 25.0
     gain_db: float = 0.0
     black_level_dn: float = 0.0
+    before: Left | None = None
 
     @property
     def n_lines(self) -> int:
         """How many lines are exposed under these conditions."""
         return len(self.line_times_s)
+
+    @property
+    def ended_s(self) -> float:
+        """When the last line's period is over, wall time."""
+        return float(self.line_times_s[-1]) + self.line_period_us * 1e-6
+
+    @property
+    def idle_s(self) -> float:
+        """Time from the end of the lines before to the first of these; 0 where there were none."""
+        return 0.0 if self.before is None else max(self._first_s - self.before.at_s, 0.0)
+
+    @property
+    def follows_on(self) -> bool:
+        """Whether these lines are the next ones after those drawn before, none between."""
+        return (
+            self.before is not None
+            and self.before.drawn
+            and self.idle_s < 0.5e-6 * self.line_period_us
+        )
+
+    def left_by(self, effect: str) -> Pixels | None:
+        """Return what the effect of that name left in the pixels, (*sample,); None if nothing."""
+        return None if self.before is None else self.before.states.get(effect)
+
+    @property
+    def _first_s(self) -> float:
+        return float(self.line_times_s[0])
 
     @classmethod
     def steady(

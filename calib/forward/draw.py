@@ -3,11 +3,12 @@
 from numpy.random import Generator
 
 from calib.arrays import Lines, RawLines
-from calib.forward.chain import ExpectedElectrons, expected_electrons, run
+from calib.forward.chain import ExpectedElectrons, expected_electrons, run_on
 from calib.forward.conditions import Conditions
 from calib.forward.drawn import Drawn, as_codes
 from calib.forward.effect import Effect, Stage
 from calib.forward.fused import can_fuse, draw_fused
+from calib.forward.left import Left
 
 
 def draw(
@@ -24,10 +25,9 @@ def draw(
     before, after = effects[:first_after_light], effects[first_after_light:]
     expected = expected_electrons(before, scene, at, rng)
     if can_fuse(after):
-        dn = draw_fused(after, expected, at, rng)
-    else:
-        dn = draw_link_by_link(after, expected, at, rng, bit_depth)
-    return Drawn(dn, effects, scene, at, expected)
+        return Drawn(draw_fused(after, expected, at, rng), None, effects, scene, at, expected)
+    dn, left = draw_link_by_link(after, expected, at, rng, bit_depth)
+    return Drawn(dn, left, effects, scene, at, expected)
 
 
 def draw_link_by_link(
@@ -36,6 +36,7 @@ def draw_link_by_link(
     at: Conditions,
     rng: Generator,
     bit_depth: int,
-) -> RawLines:
-    """Return codes, (n_lines, *sample), by applying each link after the light in turn."""
-    return as_codes(run(after, expected.by_line(), at, rng, entered=Stage.CHARGE), bit_depth)
+) -> tuple[RawLines, Left | None]:
+    """Apply each link after the light; return codes, (n_lines, *sample), and what they leave."""
+    signal, left = run_on(after, expected.by_line(), at, rng, entered=Stage.CHARGE)
+    return as_codes(signal, bit_depth), left

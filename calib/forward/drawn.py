@@ -11,6 +11,7 @@ from calib.arrays import Lines, RawLines
 from calib.forward.chain import ExpectedElectrons, run, without_noise
 from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect, Stage
+from calib.forward.left import Left
 
 
 @dataclass(frozen=True)
@@ -19,9 +20,11 @@ class Drawn:
 
     Attributes:
         dn: Codes, (n_lines, *sample); uint8 at 8 bits, else uint16.
+        left: What the lines leave in the pixels; None where the model has no memory.
     """
 
     dn: RawLines
+    left: Left | None = field(repr=False)
     _effects: tuple[Effect, ...] = field(repr=False)
     _scene: Lines = field(repr=False)
     _at: Conditions = field(repr=False)

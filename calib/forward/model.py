@@ -15,6 +15,7 @@ from calib.forward.drawn import Drawn
 from calib.forward.effect import Effect
 from calib.forward.effects.catalogue import effect_named, place_of
 from calib.forward.pattern import pixel_count
+from calib.forward.remembering import Remembering
 from calib.forward.scene import as_scene
 from calib.forward.truth import Truth
 from calib.forward.truth_of import truth_of
@@ -130,6 +131,11 @@ class Model:
         """Return the model without the effect of that name, if it has it."""
         effect_named(name)
         return replace(self, effects=tuple(e for e in self.effects if e.name != name))
+
+    @property
+    def remembers(self) -> bool:
+        """Whether lines depend on what earlier ones left in the pixels."""
+        return any(isinstance(effect, Remembering) for effect in self.effects)
 
     def draw(self, at: Conditions, rng: Generator, scene: Lines | None = None) -> Drawn:
         """Return `at.n_lines` lines, or frames of an area sensor.

@@ -1,13 +1,16 @@
 """Simulates a recording, block by block in the order of time."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.random import Generator
 
 from calib.arrays import Lines, RawLines
 from calib.errors import InputError
+from calib.forward.chain import expected_left
 from calib.forward.conditions import Conditions
+from calib.forward.left import Left
 from calib.forward.model import Model
 from calib.forward.scene import as_scene
 from calib.forward.schedule import AMBIENT_C, ScheduledBlock, line_period_us, schedule
@@ -27,7 +30,8 @@ def simulate(
     """Yield each block, its unknowns filled in, with an iterator over its frames.
 
     Each block draws from a generator of its own, spawned from `rng`, so that its lines do not
-    depend on how many frames of the blocks before were asked for.
+    depend on how many frames of the blocks before were asked for. Where the sensor remembers, a
+    block finds what those before it leave on average, the first a sensor at rest.
 
     Args:
         model: The camera and its light.
@@ -46,12 +50,50 @@ def simulate(
     if frame_lines < 1:
         raise InputError(f"frame_lines is {frame_lines}; give 1 or more.", code="bad-frame-lines")
     timed = schedule(model, blocks, frame_lines=frame_lines, settle_s=settle_s)
-    images = [_image(one, model, scenes or {}) for one in timed]
-    generators = rng.spawn(len(timed))
-    return (
-        (one.block, _frames(model, one, image, frame_lines, generator))
-        for one, image, generator in zip(timed, images, generators, strict=True)
-    )
+    shots = [_Shot(model, one, _image(one, model, scenes or {}), frame_lines) for one in timed]
+    return _blocks(shots, rng.spawn(len(timed)))
+
+
+@dataclass(frozen=True)
+class _Shot:
+    """A block and what it sees: `image` is its radiance where it is a scene."""
+
+    model: Model
+    one: ScheduledBlock
+    image: Lines | None
+    frame_lines: int
+
+    def frames(self, rng: Generator, left: Left | None) -> Iterator[RawLines]:
+        """Yield the frames, (frame_lines, *sample) each; the first finds `left`."""
+        for at, part in self._stretches():
+            drawn = self.model.draw(replace(at, before=left), rng, part)
+            left = drawn.left
+            yield drawn.dn
+
+    def expected_left(self, left: Left | None) -> Left | None:
+        """Return what the block leaves on average where it finds `left`."""
+        for at, part in self._stretches():
+            scene = as_scene(part, at.n_lines, sample_shape(self.model.camera))
+            left = expected_left(self.model.effects, scene, replace(at, before=left))
+        return left
+
+    def _stretches(self) -> Iterator[tuple[Conditions, Lines | None]]:
+        """Yield each frame's conditions and its part of the radiance image."""
+        for first in range(0, self.one.n_lines, self.frame_lines):
+            stop = min(first + self.frame_lines, self.one.n_lines)
+            image = self.image
+            part = image if image is None or len(image) == 1 else image[first:stop]
+            yield _conditions(self.model, self.one, first, stop), part
+
+
+def _blocks(
+    shots: Sequence[_Shot], generators: Sequence[Generator]
+) -> Iterator[tuple[Block, Iterator[RawLines]]]:
+    left = None
+    for shot, rng in zip(shots, generators, strict=True):
+        yield shot.one.block, shot.frames(rng, left)
+        if shot.model.remembers:
+            left = shot.expected_left(left)
 
 
 def _image(one: ScheduledBlock, model: Model, scenes: Mapping[str, Lines]) -> Lines | None:
@@ -66,16 +108,6 @@ def _image(one: ScheduledBlock, model: Model, scenes: Mapping[str, Lines]) -> Li
             code="scene-missing",
         )
     return as_scene(scenes[block.scene], one.n_lines, sample_shape(model.camera))
-
-
-def _frames(
-    model: Model, one: ScheduledBlock, image: Lines | None, frame_lines: int, rng: Generator
-) -> Iterator[RawLines]:
-    """Yield the block's frames, (frame_lines, *sample) each."""
-    for first in range(0, one.n_lines, frame_lines):
-        stop = min(first + frame_lines, one.n_lines)
-        part = image if image is None or len(image) == 1 else image[first:stop]
-        yield model.draw(_conditions(model, one, first, stop), rng, part).dn
 
 
 def _conditions(model: Model, one: ScheduledBlock, first: int, stop: int) -> Conditions:

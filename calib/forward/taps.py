@@ -87,16 +87,21 @@ def by_tap(values: tuple[float, ...], layout: str, sample: SampleShape) -> Pixel
     return np.asarray(values, dtype=np.float64)[tap_of_pixel(layout, sample)]
 
 
-def check_taps(values: tuple[float, ...], layout: str, camera: CameraHeader, where: str) -> None:
-    """Raise InputError unless `values` is empty or has one value per tap of the camera."""
-    if not values:
-        return
+def check_layout(layout: str, camera: CameraHeader, where: str) -> None:
+    """Raise InputError unless `layout` is that of the camera."""
     if layout != camera.tap_layout:
         raise InputError(
             f"{where}: tap_layout is {layout!r}, but the camera's is {camera.tap_layout!r}; "
             "give one for both.",
             code="tap-layout-mismatch",
         )
+
+
+def check_taps(values: tuple[float, ...], layout: str, camera: CameraHeader, where: str) -> None:
+    """Raise InputError unless `values` is empty or has one value per tap of the camera."""
+    if not values:
+        return
+    check_layout(layout, camera, where)
     taps = 4 if layout == "quadrants" and camera.rows is not None else tap_count(layout)
     if len(values) != taps:
         raise InputError(

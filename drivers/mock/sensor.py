@@ -1,10 +1,13 @@
 """The sensor inside every simulated camera: the forward model, looking at the simulated world."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.random import Generator
 
 from calib.arrays import RawLines
 from calib.forward.conditions import Conditions
+from calib.forward.left import Left
 from calib.forward.model import Model
 from drivers.mock.world import World
 from drivers.pixel_formats import FORMATS
@@ -34,12 +37,16 @@ def aligned(dn: RawLines, adc_bits: int, pixel_format: PixelFormat) -> RawLines:
 
 
 class VirtualSensor:
-    """Draw frames of `model` under the light of `world`, afresh each time."""
+    """Draw frames of `model` under the light of `world`, afresh each time.
+
+    What one exposure leaves in the pixels, the next one finds.
+    """
 
     def __init__(self, model: Model, world: World, rng: Generator) -> None:
         self.model = model
         self.world = world
         self._rng = rng
+        self._left: Left | None = None
 
     def expose(self, settings: CameraSettings, started_s: float) -> RawLines:
         """Expose one frame whose first line starts `started_s` after the camera's clock did.
@@ -47,8 +54,9 @@ class VirtualSensor:
         Returns:
             Codes of the pixel format's bit depth, of the settings' `frame_shape`.
         """
-        at = self.conditions(settings, started_s)
-        dn = self.model.draw(at, self._rng).dn
+        at = replace(self.conditions(settings, started_s), before=self._left)
+        drawn = self.model.draw(at, self._rng)
+        self._left, dn = drawn.left, drawn.dn
         first, row = settings.first_column, settings.first_row
         region = dn[..., first : first + settings.n_columns]
         if settings.n_rows is not None:

@@ -5,6 +5,7 @@ synchronous noise is removed before the lines are averaged. A tone with an integ
 a line looks alike on every line and is a part of DN0.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi, prod
 from typing import ClassVar
@@ -17,6 +18,8 @@ from calib.forward.conditions import Conditions
 from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
+from calib.forward.plan_needs import lines
+from calib.recording.header import Block, CameraHeader
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,11 @@ class Banding(Departure):
     amplitude_dn: float = parameter(1.0, unit="DN", low=0.0, high=1e5, neutral=0.0)
     frequency_hz: float = parameter(12_345.0, unit="Hz", low=0.0, high=1e9)
     phase_rad: float = parameter(0.0, unit="rad", low=-2 * pi, high=2 * pi)
+
+    @classmethod
+    def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:  # noqa: ARG003
+        """Return what a recording lacks to show it; None where it could."""
+        return lines(blocks, 2)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """DN in and out, (n_lines, *sample)."""

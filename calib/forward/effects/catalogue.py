@@ -4,19 +4,31 @@ from calib.errors import InputError
 from calib.forward.effect import Effect
 from calib.forward.effects.adc import Adc
 from calib.forward.effects.banding import Banding
+from calib.forward.effects.cti import Cti
 from calib.forward.effects.dark_current import DarkCurrent
 from calib.forward.effects.dark_current_temperature import DarkCurrentTemperature
+from calib.forward.effects.duplicated_lines import DuplicatedLines
 from calib.forward.effects.full_well import FullWell
+from calib.forward.effects.gain_drift import GainDrift
+from calib.forward.effects.heavy_tailed_noise import HeavyTailedNoise
 from calib.forward.effects.illumination import Illumination
+from calib.forward.effects.interpixel_capacitance import InterpixelCapacitance
+from calib.forward.effects.lag import Lag
 from calib.forward.effects.lamp_drift import LampDrift
 from calib.forward.effects.line_noise import LineNoise
 from calib.forward.effects.nonlinearity import Nonlinearity
 from calib.forward.effects.offset import Offset
+from calib.forward.effects.offset_drift import OffsetDrift
+from calib.forward.effects.offset_temperature import OffsetTemperature
+from calib.forward.effects.persistence import Persistence
 from calib.forward.effects.read_noise import ReadNoise
 from calib.forward.effects.responsivity import Responsivity
+from calib.forward.effects.rts_pixels import RtsPixels
 from calib.forward.effects.shot_noise import ShotNoise
 from calib.forward.effects.spot import Spot
 from calib.forward.effects.system_gain import SystemGain
+from calib.forward.effects.tap_crosstalk import TapCrosstalk
+from calib.forward.effects.tap_gain_drift import TapGainDrift
 from calib.forward.effects.vignette import Vignette
 
 CATALOGUE: tuple[type[Effect], ...] = (
@@ -29,13 +41,25 @@ CATALOGUE: tuple[type[Effect], ...] = (
     DarkCurrentTemperature,
     ShotNoise,
     FullWell,
+    Lag,
+    Persistence,
+    Cti,
+    InterpixelCapacitance,
     ReadNoise,
+    HeavyTailedNoise,
     SystemGain,
+    TapGainDrift,
+    GainDrift,
     Nonlinearity,
+    TapCrosstalk,
     LineNoise,
     Banding,
+    RtsPixels,
     Offset,
+    OffsetDrift,
+    OffsetTemperature,
     Adc,
+    DuplicatedLines,
 )
 
 _BY_NAME = {kind.name: kind for kind in CATALOGUE}

@@ -7,12 +7,12 @@ a time constant much longer than the recording, linear ageing.
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
 from numpy.random import Generator
 
 from calib.arrays import Columns, Lines, by_line
 from calib.forward.conditions import Conditions
 from calib.forward.departure import Departure, Statistic, Variable
+from calib.forward.drift import settled
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 
@@ -45,4 +45,4 @@ class LampDrift(Departure):
 
     def line_factor(self, at: Conditions, rng: Generator) -> Columns:  # noqa: ARG002
         """Return the relative radiance at each line's time, (n_lines,)."""
-        return 1.0 - self.amplitude * np.expm1(-at.line_times_s / self.time_constant_s)
+        return 1.0 + self.amplitude * settled(at.line_times_s, self.time_constant_s)

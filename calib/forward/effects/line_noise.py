@@ -4,6 +4,7 @@ Source: EMVA Standard 1288, Release 4.0 Linear, the row part of the temporal noi
 supply noise that all columns of a line share.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -15,6 +16,8 @@ from calib.forward.conditions import Conditions
 from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
+from calib.forward.plan_needs import first_lack, lines, neighbours
+from calib.recording.header import Block, CameraHeader
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,11 @@ class LineNoise(Departure):
     depends_on: ClassVar[tuple[Variable, ...]] = ("line",)
 
     std_dn: float = parameter(0.5, unit="DN", low=0.0, high=1e5, neutral=0.0)
+
+    @classmethod
+    def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:
+        """Return what a recording lacks to show it; None where it could."""
+        return first_lack(neighbours(camera), lines(blocks, 2))
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """DN in and out, (n_lines, *sample)."""

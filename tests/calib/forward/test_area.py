@@ -86,7 +86,7 @@ def test_the_compiled_pass_and_the_links_one_by_one_draw_from_one_distribution()
     expected = expected_electrons(before, np.zeros((1, *SAMPLE)), at(400), RNG)
     assert expected.light.shape == (1, *SAMPLE)
     fused = draw_fused(after, expected, at(400), np.random.default_rng(1))
-    linked = draw_link_by_link(after, expected, at(400), np.random.default_rng(2), 12)
+    linked, _ = draw_link_by_link(after, expected, at(400), np.random.default_rng(2), 12)
     assert two_sample_p(fused.reshape(400, -1), linked.reshape(400, -1)) > 1e-4
     score = (fused.mean(0) - linked.mean(0)) / np.sqrt((fused.var(0) + linked.var(0)) / 400)
     assert abs(score.mean()) < 5 / np.sqrt(score.size)

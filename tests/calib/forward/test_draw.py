@@ -47,7 +47,8 @@ def both_ways(model: Model, conditions: Conditions) -> tuple[RawLines, RawLines]
     dark_scene = np.zeros((1, model.camera.columns))
     expected = expected_electrons(before, dark_scene, conditions, rng)
     fused = draw_fused(after, expected, conditions, rng)
-    return fused, draw_link_by_link(after, expected, conditions, rng, model.camera.bit_depth)
+    linked, _ = draw_link_by_link(after, expected, conditions, rng, model.camera.bit_depth)
+    return fused, linked
 
 
 AGREE = {

@@ -1,0 +1,94 @@
+"""Tap crosstalk: an output tap sees a little of what another tap reads at the same time.
+
+Source: Freyhammer et al., CCD video crosstalk at the VLT, and the reduction of the ACS/WFC, whose
+amplifiers show each other's mirror images (Giavalisco, Cross-talk in the ACS WFC detectors, STScI
+ISR ACS 2004-12): proportional to the signal that is read at that moment.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import ClassVar
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from calib.arrays import Lines
+from calib.forward.conditions import Conditions
+from calib.forward.departure import Departure, Statistic, Variable
+from calib.forward.effect import Stage
+from calib.forward.parameter import parameter
+from calib.forward.plan_needs import first_lack, lit_lines, taps
+from calib.forward.taps import LAYOUTS, check_layout, tap_of_column
+from calib.recording.header import Block, CameraHeader
+
+
+@dataclass(frozen=True)
+class TapCrosstalk(Departure):
+    """Add a fraction x of the signal that the tap's partner reads at the same time.
+
+    Taps are partners that read next to each other (0 and 1, 2 and 3), column for column; where the
+    two ends of the sensor are read outwards (`mirrored`), the partner of a column is its mirror
+    image. Uniform flats show nothing in their means but a gain of 1 + x; partners covary by 2 x v
+    where each has the variance v.
+
+    Attributes:
+        fraction: x.
+        tap_layout: Which pixels a tap reads; that of the camera.
+        mirrored: True where halves or quarters are read from the outer ends inwards.
+    """
+
+    name: ClassVar[str] = "tap_crosstalk"
+    stage: ClassVar[Stage] = Stage.VOLTS
+    stochastic: ClassVar[bool] = False
+    physics: ClassVar[str] = "Each tap sees a fraction of what its partner reads at the same time."
+    shows_in: ClassVar[Statistic] = "column_covariance"
+    depends_on: ClassVar[tuple[Variable, ...]] = ("tap", "signal")
+
+    fraction: float = parameter(0.002, unit="1", low=-0.5, high=0.5, neutral=0.0)
+    tap_layout: str = parameter("odd_even", unit="", choices=LAYOUTS)
+    mirrored: bool = parameter(False, unit="1")
+
+    @classmethod
+    def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:
+        """Return what a recording lacks to show crosstalk; None where it could."""
+        return first_lack(taps(camera), lit_lines(blocks, 2))
+
+    def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
+        """DN above the offset in and out, (n_lines, *sample)."""
+        column, partner = partners(self.tap_layout, self.mirrored, signal.shape[-1])
+        mixed = np.array(signal, np.float64)
+        mixed[..., column] += self.fraction * signal[..., partner]
+        return mixed
+
+    def check_camera(self, camera: CameraHeader) -> None:
+        """Raise InputError unless `tap_layout` is that of the camera."""
+        check_layout(self.tap_layout, camera, "effect tap_crosstalk")
+
+
+@lru_cache(maxsize=8)
+def partners(
+    layout: str, mirrored: bool, n_columns: int
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the columns that have a partner, and that partner, each (n,), read-only.
+
+    A column too many in one of two taps has none.
+
+    >>> partners("halves", True, 5)[1].tolist(), partners("odd_even", False, 5)[1].tolist()
+    ([4, 3, 1, 0], [1, 0, 3, 2])
+    """
+    columns = np.arange(n_columns, dtype=np.intp)
+    tap = tap_of_column("halves" if layout == "quadrants" else layout, n_columns)
+    if layout == "single":
+        found = columns[:0], columns[:0]
+    elif mirrored and layout != "odd_even":
+        other = columns[::-1]
+        found = columns[other != columns], other[other != columns]
+    else:
+        sides = [(columns[tap == one], columns[tap == one + 1]) for one in range(0, tap.max(), 2)]
+        cut = [(a[: len(b)], b[: len(a)]) for a, b in sides]
+        pairs = [p for a, b in cut for p in zip((*a, *b), (*b, *a), strict=True)]
+        column, partner = np.array(sorted(pairs), np.intp).reshape(-1, 2).T
+        found = column, partner
+    return found

@@ -1,0 +1,53 @@
+"""Effects whose lines depend on lines before them, also on those of an earlier draw.
+
+A draw hands on what it left in the pixels (`Drawn.left`); the next one finds it in its conditions
+(`Conditions.before`). So the lines of a block stay related, whatever frames they come in. A block
+that is drawn without the ones before it finds what these leave on average (`expected_left`): its
+lines then do not depend on how many of theirs were asked for.
+"""
+
+from abc import abstractmethod
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from calib.arrays import Lines, Pixels
+from calib.forward.conditions import Conditions
+from calib.forward.departure import Departure
+
+
+class Remembering(Departure):
+    """A departure with memory: `carry` in place of `apply`."""
+
+    @abstractmethod
+    def carry(self, signal: Lines, at: Conditions, rng: Generator) -> tuple[Lines, Pixels]:
+        """Return the signal after this effect, (n_lines, *sample), and what it leaves, (*sample,).
+
+        What was left before is in `at.before`; None there is a sensor at rest.
+        """
+
+    @abstractmethod
+    def expected_left(self, signal: Lines, at: Conditions) -> Pixels:
+        """Return the expectation of what `carry` leaves, (*sample,), without drawing.
+
+        Args:
+            signal: The expected signal before this effect, (n_lines, *sample), or (1, *sample)
+                where all lines are taken to be alike.
+            at: The conditions of all n_lines lines, with what was left before.
+        """
+
+    def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:
+        """Return the signal after this effect, (n_lines, *sample); never change `signal`."""
+        return self.carry(signal, at, rng)[0]
+
+
+def sum_over_lines(weights: NDArray[np.floating], signal: Lines) -> Pixels:
+    """Return the lines' weighted sum, (*sample,); one line, (1, *sample), stands for all.
+
+    >>> sum_over_lines(np.array([1.0, 2.0]), np.array([[10.0]]))
+    array([30.])
+    """
+    if len(signal) == 1:
+        return np.asarray(weights.sum() * signal[0])
+    return np.asarray(np.tensordot(weights, signal, axes=1))
