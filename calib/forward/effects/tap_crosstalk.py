@@ -1,8 +1,8 @@
 """Tap crosstalk: an output tap sees a little of what another tap reads at the same time.
 
-Source: Freyhammer et al., CCD video crosstalk at the VLT, and the reduction of the ACS/WFC, whose
-amplifiers show each other's mirror images (Giavalisco, Cross-talk in the ACS WFC detectors, STScI
-ISR ACS 2004-12): proportional to the signal that is read at that moment.
+Source: Giavalisco, Cross-talk in the ACS WFC detectors, STScI Instrument Science Report ACS
+2004-12: amplifiers show each other's mirror images, mostly negative. Here in proportion to the
+signal that is read at that moment.
 """
 
 from collections.abc import Sequence
