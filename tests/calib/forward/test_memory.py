@@ -120,6 +120,35 @@ def test_a_block_starts_with_what_the_block_before_left_the_first_with_none(seed
         assert score(dark.var(), wanted, wanted * np.sqrt(2.5 / COLUMNS)) < 5
 
 
+@seeds
+@pytest.mark.parametrize("p", [0.0, 0.6, 1.0])
+def test_what_a_block_finds_of_lag_scatters_as_what_a_draw_leaves(seed: int, p: float) -> None:
+    f, m, n, rng = 0.3, 800.0, 20_000, np.random.default_rng(seed)
+    lag = Lag(share=f, partition_noise=p)
+    kept = np.full(n, m * f / (1 - f))
+    _, drawn = lag.carry(rng.poisson(m, (25, n)).astype(float), at(25), rng)
+    dark, found = np.zeros((1, n)), []
+    for state, is_drawn in ((drawn, True), (kept, False)):
+        here = at(1, before=Left(0.0, {"lag": state}, drawn=is_drawn))
+        found.append(lag.apply(dark, here, rng))
+    (after_draw, after_expectation) = found
+    spread = after_draw.var()
+    mean_error = np.sqrt(2 * spread / n)
+    assert score(after_expectation.mean(), after_draw.mean(), mean_error) < 5
+    assert score(after_expectation.var(), spread, spread * np.sqrt(5.0 / n)) < 5
+
+
+@seeds
+def test_traps_that_hold_less_than_an_electron_release_it_now_and_then(seed: int) -> None:
+    held, n, tau = 0.4, 40_000, 1e-3
+    traps = Persistence(share=0.0, time_constant_s=tau)
+    here = at(1, before=Left(0.0, {traps.name: np.full(n, held)}, drawn=False))
+    read = traps.apply(np.zeros((1, n)), here, np.random.default_rng(seed))
+    wanted = held * (1 - np.exp(-PERIOD_US * 1e-6 / tau))
+    assert score(read.mean(), wanted, np.sqrt(wanted / n)) < 5
+    assert score(read.var(), wanted, np.sqrt((wanted + 2 * wanted**2) / n)) < 5
+
+
 @pytest.mark.parametrize(
     "effect", [Lag(share=0.2), Persistence(share=0.1, time_constant_s=0.02)], ids=lambda e: e.name
 )
@@ -262,6 +291,14 @@ def test_duplicates_come_as_often_as_said_whatever_the_frames(seed: int, frame_l
         twice = sum(np.array_equal(a, b) for a, b in pairwise(dn))
         assert score(twice, p * (n - 1), np.sqrt(n * p * (1 - p))) < 5
     assert not np.array_equal(recording["0"][-1], recording["1"][0])
+
+
+def test_a_line_is_not_sent_again_after_a_pause_or_where_none_was_drawn() -> None:
+    twice, before = DuplicatedLines(probability=0.9), np.full(8, 5.0)
+    for at_s, drawn, again in ((2.0, True, True), (1.9999, True, False), (2.0, False, False)):
+        here = at(1, 2.0, Left(at_s, {twice.name: before}, drawn=drawn))
+        sent = [twice.apply(np.zeros((1, 8)), here, np.random.default_rng(k)) for k in range(40)]
+        assert any(line.any() for line in sent) == again
 
 
 def test_a_frame_of_an_area_sensor_is_sent_twice_as_a_whole() -> None:
