@@ -4,7 +4,8 @@ Adding one takes two steps: a file in `calib/forward/effects/` with a frozen dat
 `Effect`, every field made by `parameter`, and one line at its physical place in
 `calib/forward/effects/catalogue.py`. Reading and writing model files and the catalogue's tests
 then hold for it. `apply` sees all lines of one draw, in the order of time, so an effect may carry
-charge from line to line; its zero strength is told by the parameters' `neutral` values.
+charge from line to line; from draw to draw, see `calib.forward.remembering`. Its zero strength is
+told by the parameters' `neutral` values.
 
 The axes of a signal are (n_lines, *sample): a line sensor's sample is a line, an area sensor's a
 frame, whose pixels are all exposed at one time. An effect of single pixels need not know which; one
