@@ -67,7 +67,15 @@ def run_on(
             signal, states[effect.name] = effect.carry(signal, at, rng)
         else:
             signal = effect.apply(signal, at, rng)
+        at = effect.conditions_after(at)
     return signal, Left(at.ended_s, states, drawn=True) if states else None
+
+
+def conditions_after(effects: Iterable[Effect], at: Conditions) -> Conditions:
+    """Return the conditions that links behind `effects` see."""
+    for effect in effects:
+        at = effect.conditions_after(at)
+    return at
 
 
 def without_noise(effects: Iterable[Effect]) -> tuple[Effect, ...]:
@@ -109,7 +117,7 @@ def expected_electrons(
         rng: For links that scatter the light, such as a jittering exposure.
     """
     sample = scene.shape[1:]
-    if not all(effect.separable for effect in effects):
+    if not all(effect.separable for effect in effects) or not _one_factor_holds(effects):
         full = run(effects, _every_line(scene, at), at, rng)
         ones = np.ones(at.n_lines)
         return ExpectedElectrons(np.asarray(full, np.float64), ones, np.zeros(sample))
@@ -125,6 +133,13 @@ def expected_electrons(
     dark = run(alike, np.zeros((1, *sample)), replace(at, capped=True), rng)
     light = run(alike, scene, at, rng) - dark
     return ExpectedElectrons(np.asarray(light, np.float64), factor, np.asarray(dark[0], np.float64))
+
+
+def _one_factor_holds(effects: tuple[Effect, ...]) -> bool:
+    """Return whether a line's factors scale all its light: none of it comes in behind them."""
+    scales = [type(effect).line_factor is not Effect.line_factor for effect in effects]
+    adds = [k for k, effect in enumerate(effects) if effect.adds_light]
+    return not any(scales[: max(adds, default=0)])
 
 
 def _every_line(scene: Lines, at: Conditions) -> Lines:

@@ -1,14 +1,20 @@
 """Draws lines: by the compiled kernel where the links allow it, else link by link."""
 
+import numpy as np
 from numpy.random import Generator
 
 from calib.arrays import Lines, RawLines
-from calib.forward.chain import ExpectedElectrons, expected_electrons, run_on
+from calib.forward.chain import (
+    ExpectedElectrons,
+    conditions_after,
+    expected_electrons,
+    run_on,
+)
 from calib.forward.conditions import Conditions
 from calib.forward.drawn import Drawn, as_codes
 from calib.forward.effect import Effect, Stage
 from calib.forward.fused import can_fuse, draw_fused
-from calib.forward.left import Left
+from calib.forward.left import Left, both
 
 
 def draw(
@@ -24,10 +30,23 @@ def draw(
     )
     before, after = effects[:first_after_light], effects[first_after_light:]
     expected = expected_electrons(before, scene, at, rng)
-    if can_fuse(after):
-        return Drawn(draw_fused(after, expected, at, rng), None, effects, scene, at, expected)
-    dn, left = draw_link_by_link(after, expected, at, rng, bit_depth)
+    seen = conditions_after(before, at)
+    to_codes, of_codes = _split_behind_adc(after)
+    left = None
+    if can_fuse(to_codes):
+        dn = draw_fused(to_codes, expected, seen, rng)
+    else:
+        dn, left = draw_link_by_link(to_codes, expected, seen, rng, bit_depth)
+    if of_codes:
+        codes, of_lines = run_on(of_codes, dn.astype(np.float64), seen, rng, entered=Stage.CODES)
+        dn, left = as_codes(codes, bit_depth), both(left, of_lines)
     return Drawn(dn, left, effects, scene, at, expected)
+
+
+def _split_behind_adc(links: tuple[Effect, ...]) -> tuple[tuple[Effect, ...], tuple[Effect, ...]]:
+    """Return the links up to the converter, and those that work on its codes."""
+    behind = [effect.name for effect in links].index("adc") + 1
+    return links[:behind], links[behind:]
 
 
 def draw_link_by_link(

@@ -52,6 +52,9 @@ class Effect(ABC):
     the expected electrons by line and pixel.
     """
 
+    adds_light: ClassVar[bool] = False
+    """True where `apply` adds light that earlier links' `line_factor` does not scale."""
+
     def __post_init__(self) -> None:
         """Raise InputError where a parameter lies outside its bounds."""
         check_parameters(self, f"effect {self.name}")
@@ -67,6 +70,10 @@ class Effect(ABC):
         nothing else.
         """
         return None
+
+    def conditions_after(self, at: Conditions) -> Conditions:
+        """Return the conditions that later links see: a wrong exposure also gathers dark charge."""
+        return at
 
     def check_camera(self, camera: CameraHeader) -> None:  # noqa: B027
         """Raise InputError where the parameters do not fit `camera`; most fit any."""

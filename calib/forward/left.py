@@ -22,3 +22,12 @@ class Left:
     at_s: float
     states: Mapping[str, Pixels]
     drawn: bool
+
+
+def both(one: Left | None, other: Left | None) -> Left | None:
+    """Return what two parts of a chain left together, None where neither did."""
+    if one is None or other is None:
+        return one or other
+    return Left(
+        max(one.at_s, other.at_s), {**one.states, **other.states}, one.drawn and other.drawn
+    )

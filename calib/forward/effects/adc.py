@@ -1,6 +1,9 @@
 """Analogue-to-digital conversion: rounding to whole codes and clipping to their range.
 
 Source: EMVA Standard 1288, Release 4.0 Linear, quantisation as the last link of the chain.
+
+Here alone DN become whole: a converter's errors of its input (`adc_inl`) and of its code widths
+(`adc_dnl`) come before this link, faults of its codes (`stuck_bit`, `black_clip`) after it.
 """
 
 from dataclasses import dataclass
@@ -42,9 +45,14 @@ class Adc(Effect):
 
     def check_camera(self, camera: CameraHeader) -> None:
         """Raise InputError unless the camera has this bit depth."""
-        if self.bit_depth != camera.bit_depth:
-            raise InputError(
-                f"effect adc: bit_depth is {self.bit_depth}, but the camera's is "
-                f"{camera.bit_depth}; give one for both.",
-                code="bit-depth-mismatch",
-            )
+        check_bit_depth(self.bit_depth, camera, "effect adc")
+
+
+def check_bit_depth(bit_depth: int, camera: CameraHeader, where: str) -> None:
+    """Raise InputError unless the camera has this bit depth."""
+    if bit_depth != camera.bit_depth:
+        raise InputError(
+            f"{where}: bit_depth is {bit_depth}, but the camera's is {camera.bit_depth}; "
+            "give one for both.",
+            code="bit-depth-mismatch",
+        )

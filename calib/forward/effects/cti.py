@@ -25,7 +25,7 @@ from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.partition import part_of
-from calib.forward.plan_needs import first_lack, lit_lines, neighbours
+from calib.forward.plan_needs import first_lack, flats, neighbours
 from calib.recording.header import Block, CameraHeader
 
 READOUTS = ("left", "right", "both")
@@ -72,7 +72,7 @@ class Cti(Departure):
     @classmethod
     def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:
         """Return what a recording lacks to show deferred charge; None where it could."""
-        return first_lack(neighbours(camera), lit_lines(blocks, 2))
+        return first_lack(neighbours(camera), flats(blocks, lines=2))
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """Electrons in and out, (n_lines, *sample)."""

@@ -5,6 +5,7 @@ exposure time. That standard's DSNU also holds the offset's fixed pattern, which
 `offset`.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -17,7 +18,8 @@ from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.pattern import check_length, explicit_pattern, normal_pattern, pixel_count
-from calib.recording.header import CameraHeader
+from calib.forward.plan_needs import dark_growth
+from calib.recording.header import Block, CameraHeader
 
 
 @dataclass(frozen=True)
@@ -60,3 +62,8 @@ class DarkCurrent(Departure):
         check_length(
             self.rates_e_per_us, pixel_count(camera), "effect dark_current: rates_e_per_us"
         )
+
+    @classmethod
+    def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:  # noqa: ARG003
+        """Return what `blocks` lack: a dark signal that can grow."""
+        return dark_growth(blocks)

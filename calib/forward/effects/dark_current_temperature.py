@@ -4,6 +4,7 @@ Source: EMVA Standard 1288, Release 4.0 Linear, the doubling temperature of the 
 about 7 K for silicon near room temperature.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -16,6 +17,8 @@ from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.pattern import normal_pattern
+from calib.forward.plan_needs import temperatures
+from calib.recording.header import Block, CameraHeader
 
 
 @dataclass(frozen=True)
@@ -59,3 +62,8 @@ class DarkCurrentTemperature(Departure):
         pattern = normal_pattern(self.dsnu_seed, self.name, sample)
         reference = np.maximum(self.electrons_per_us + self.dsnu_std_e_per_us * pattern, 0.0)
         return np.asarray(reference * 2.0 ** ((temperature_c - self.reference_c) / self.doubling_k))
+
+    @classmethod
+    def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:  # noqa: ARG003
+        """Return what `blocks` lack: temperatures that differ."""
+        return temperatures(blocks, 1.0)

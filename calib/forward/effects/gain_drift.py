@@ -17,7 +17,7 @@ from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.drift import settled
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
-from calib.forward.plan_needs import flats
+from calib.forward.plan_needs import several_flats
 from calib.recording.header import Block, CameraHeader
 
 
@@ -45,7 +45,7 @@ class GainDrift(Departure):
     @classmethod
     def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:  # noqa: ARG003
         """Return what a recording lacks to show the drift; None where it could."""
-        return flats(blocks, 2)
+        return several_flats(blocks, 2)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """DN above the offset in and out, (n_lines, *sample)."""

@@ -19,7 +19,7 @@ from calib.forward.departure import Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.partition import part_of
-from calib.forward.plan_needs import lit_lines
+from calib.forward.plan_needs import flats
 from calib.forward.remembering import Remembering, sum_over_lines
 from calib.recording.header import Block, CameraHeader
 
@@ -54,7 +54,7 @@ class Lag(Remembering):
     @classmethod
     def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:  # noqa: ARG003
         """Return what a recording lacks to show lag; None where it could."""
-        return lit_lines(blocks, 2)
+        return flats(blocks, lines=2)
 
     def carry(self, signal: Lines, at: Conditions, rng: Generator) -> tuple[Lines, Pixels]:
         """Electrons in and out, (n_lines, *sample), and what stays of the last line, (*sample,)."""

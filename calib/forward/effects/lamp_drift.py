@@ -4,6 +4,7 @@ Source: the slow approach of a filament lamp or LED to its thermal equilibrium, 
 a time constant much longer than the recording, linear ageing.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -15,6 +16,8 @@ from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.drift import settled
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
+from calib.forward.plan_needs import any_of, first_lack, flats, repeated_flats, signals
+from calib.recording.header import Block, CameraHeader
 
 
 @dataclass(frozen=True)
@@ -46,3 +49,8 @@ class LampDrift(Departure):
     def line_factor(self, at: Conditions, rng: Generator) -> Columns:  # noqa: ARG002
         """Return the relative radiance at each line's time, (n_lines,)."""
         return 1.0 + self.amplitude * settled(at.line_times_s, self.time_constant_s)
+
+    @classmethod
+    def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:  # noqa: ARG003
+        """Return what `blocks` lack: light at two times that can be compared."""
+        return first_lack(flats(blocks), any_of(repeated_flats(blocks), signals(blocks, 3)))

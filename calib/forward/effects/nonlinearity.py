@@ -4,6 +4,7 @@ Source: the second-order term of an output amplifier's characteristic; EMVA Stan
 4.0 Linear, section on linearity, measures it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -14,6 +15,8 @@ from calib.forward.conditions import Conditions
 from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
+from calib.forward.plan_needs import signals
+from calib.recording.header import Block, CameraHeader
 
 
 @dataclass(frozen=True)
@@ -36,3 +39,8 @@ class Nonlinearity(Departure):
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """DN above the offset in and out, (n_lines, *sample)."""
         return signal * (1.0 - self.beta_per_dn * signal)
+
+    @classmethod
+    def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:  # noqa: ARG003
+        """Return what `blocks` lack: signals that a straight line may miss."""
+        return signals(blocks, 3)

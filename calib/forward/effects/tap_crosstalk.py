@@ -19,7 +19,7 @@ from calib.forward.conditions import Conditions
 from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
-from calib.forward.plan_needs import first_lack, lit_lines, taps
+from calib.forward.plan_needs import first_lack, flats, taps
 from calib.forward.taps import LAYOUTS, check_layout, tap_of_column
 from calib.recording.header import Block, CameraHeader
 
@@ -53,7 +53,7 @@ class TapCrosstalk(Departure):
     @classmethod
     def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:
         """Return what a recording lacks to show crosstalk; None where it could."""
-        return first_lack(taps(camera), lit_lines(blocks, 2))
+        return first_lack(taps(camera), flats(blocks, lines=2))
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """DN above the offset in and out, (n_lines, *sample)."""

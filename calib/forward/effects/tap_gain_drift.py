@@ -16,7 +16,7 @@ from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.drift import settled
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
-from calib.forward.plan_needs import first_lack, flats, taps
+from calib.forward.plan_needs import first_lack, several_flats, taps
 from calib.forward.taps import LAYOUTS, by_tap, check_taps
 from calib.recording.header import Block, CameraHeader
 
@@ -48,7 +48,7 @@ class TapGainDrift(Departure):
     @classmethod
     def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:
         """Return what a recording lacks to show the drift; None where it could."""
-        return first_lack(taps(camera), flats(blocks, 2))
+        return first_lack(taps(camera), several_flats(blocks, 2))
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """DN above the offset in and out, (n_lines, *sample)."""

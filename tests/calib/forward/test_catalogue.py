@@ -14,6 +14,7 @@ from calib.forward.departure import Departure
 from calib.forward.effect import Effect
 from calib.forward.effects.catalogue import CATALOGUE, effect_named
 from calib.forward.parameter import from_table, parameters_of, to_table
+from tests.calib.forward.strengths import neutral, shown
 
 AT = Conditions.steady(
     6, exposure_us=40.0, line_period_us=50.0, started_s=3.0, lamps=(0.8,), gain_db=2.0
@@ -26,12 +27,6 @@ lines_and_frames = pytest.mark.parametrize("sample", SAMPLES.values(), ids=SAMPL
 
 def signal(sample: tuple[int, ...]) -> NDArray[np.float64]:
     return np.random.default_rng(2).integers(100, 900, (6, *sample)).astype(np.float64)
-
-
-def neutral(kind: type[Effect]) -> Effect | None:
-    """The effect at zero strength, None where it has none."""
-    values = {n: p.neutral for n, p in parameters_of(kind).items() if p.neutral is not None}
-    return kind(**values) if values else None
 
 
 @lines_and_frames
@@ -53,7 +48,7 @@ def test_same_seed_gives_same_answer_and_other_seed_another_if_stochastic(
     kind: type[Effect], sample: tuple[int, ...]
 ) -> None:
     first, again, *others = (
-        kind().apply(signal(sample), AT, np.random.default_rng(seed))
+        shown(kind).apply(signal(sample), AT, np.random.default_rng(seed))
         for seed in (5, *range(5, 205))
     )
     assert np.array_equal(first, again)
@@ -80,8 +75,8 @@ def test_a_separable_effect_treats_one_line_as_all_lines(
 ) -> None:
     effect, rng = kind(), np.random.default_rng(1)
     row = signal(sample)[:1]
-    full = effect.apply(np.repeat(row, 6, axis=0), AT, rng)
-    factor = effect.line_factor(AT, rng)
+    full = effect.apply(np.repeat(row, 6, axis=0), AT, np.random.default_rng(1))
+    factor = effect.line_factor(AT, np.random.default_rng(1))
     if factor is None:
         assert np.array_equal(full, np.repeat(effect.apply(row, AT, rng), 6, axis=0))
         zero, one, two = (effect.apply(k * row, AT, rng) for k in (0.0, 1.0, 2.0))
@@ -144,4 +139,6 @@ def test_a_departure_says_what_it_is_and_where_it_shows(kind: type[Departure]) -
     assert kind.physics.endswith(".")
     assert kind.shows_in
     assert kind.depends_on
-    assert neutral(kind) is not None, "its absence has no name"
+    absent = neutral(kind)
+    assert absent is not None, "its absence has no name"
+    assert absent.conditions_after(AT) == AT
