@@ -27,8 +27,10 @@ class Coverage:
     mean: NDArray[np.float64]
     square: NDArray[np.float64]
 
-    def check(self, tolerance: float) -> None:
+    def check(self, tolerance: float, cautious: float = 0.0) -> None:
         """Assert mean 0 and standard deviation 1 within `tolerance`, chance (4 sigma) aside.
+
+        By `cautious` more may standard uncertainties be too large.
 
         1,000 recordings tell the mean of the scale's z to 0.032 and its deviation to 0.022, so
         that there chance is no more than the tolerance's size; fewer are allowed both.
@@ -42,7 +44,7 @@ class Coverage:
             # No less than normal z have: small ones by chance would make it small, too.
             by_chance = max(2 * self.square[:, k].std() / np.sqrt(n), 4 / np.sqrt(2 * n))
             bound = _bound(tolerance, by_chance, n)
-            assert abs(sd - 1) < bound, f"{name}: sd of z {sd:.3f}"
+            assert -bound - cautious < sd - 1 < bound, f"{name}: sd of z {sd:.3f}"
 
 
 def _bound(tolerance: float, by_chance: float, n: int) -> float:
@@ -107,36 +109,46 @@ PERFECT_SOURCE = Bench(
 SWEEP = tuple(np.linspace(50.0, 500.0, 12))
 EXACT = Bench(certificate=0.0, level_error=0.0, exposures=SWEEP, darks=12)
 
+# What is looked for beyond the noise, and is not there, is found by chance in two recordings of
+# five, never below 0, and widened for its few degrees of freedom. Where all else is smaller than
+# that, as with a source without error, it makes the scale's uncertainty up to a fifth too large.
+CAUTIOUS = 0.1
+
 CASES = [
-    pytest.param(Bench(n=128, lines=24), True, id="pixels"),
-    pytest.param(EIGHT_BITS, True, id="8-bit-pixels"),
-    pytest.param(replace(EIGHT_BITS, read_dn=0.17), True, id="8-bit-below-rounding"),
-    pytest.param(Bench(line_noise_dn=2.0, darks=8), False, id="line-noise"),
-    pytest.param(Bench(level_error=None), False, id="levels-without-stated-error"),
-    pytest.param(Bench(dark_current=0.05, darks=5), False, id="dark-current"),
-    pytest.param(PERFECT_SOURCE, False, id="perfect-source"),
-    pytest.param(Bench(levels=()), False, id="exposure-sweep-only"),
-    pytest.param(replace(EXACT, unrest=0.002), False, id="perfect-source-unrest"),
+    pytest.param(Bench(n=128, lines=24), True, 0.0, id="pixels"),
+    pytest.param(EIGHT_BITS, True, 0.0, id="8-bit-pixels"),
+    pytest.param(replace(EIGHT_BITS, read_dn=0.17), True, 0.0, id="8-bit-below-rounding"),
+    pytest.param(Bench(line_noise_dn=2.0, darks=8), False, 0.0, id="line-noise"),
+    pytest.param(Bench(level_error=None), False, 0.0, id="levels-without-stated-error"),
+    pytest.param(Bench(dark_current=0.05, darks=5), False, 0.0, id="dark-current"),
+    pytest.param(PERFECT_SOURCE, False, CAUTIOUS, id="perfect-source"),
+    pytest.param(Bench(levels=()), False, 0.0, id="exposure-sweep-only"),
+    pytest.param(replace(EXACT, unrest=0.002), False, 0.0, id="perfect-source-unrest"),
     pytest.param(
-        replace(EXACT, line_noise_dn=4.0, darks=24), False, id="perfect-source-line-noise"
+        replace(EXACT, line_noise_dn=4.0, darks=24), False, 0.0, id="perfect-source-line-noise"
     ),
     pytest.param(
-        replace(EXACT, line_noise_dn=4.0, darks=24, levels=()), False, id="one-level-line-noise"
+        replace(EXACT, line_noise_dn=4.0, darks=24, levels=()),
+        False,
+        CAUTIOUS,
+        id="one-level-line-noise",
     ),
 ]
 
 
-@pytest.mark.parametrize(("bench", "pixels"), CASES)
-def test_uncertainties_hold_under_other_conditions(bench: Bench, pixels: bool) -> None:
-    cover(bench, np.random.default_rng(), 40 if pixels else 80, pixels=pixels).check(0.1)
+@pytest.mark.parametrize(("bench", "pixels", "cautious"), CASES)
+def test_uncertainties_hold_under_other_conditions(
+    bench: Bench, pixels: bool, cautious: float
+) -> None:
+    cover(bench, np.random.default_rng(), 40 if pixels else 80, pixels=pixels).check(0.1, cautious)
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize(("bench", "pixels"), CASES)
+@pytest.mark.parametrize(("bench", "pixels", "cautious"), CASES)
 def test_uncertainties_hold_under_other_conditions_over_many_recordings(
-    bench: Bench, pixels: bool
+    bench: Bench, pixels: bool, cautious: float
 ) -> None:
-    cover(bench, np.random.default_rng(), 1000, pixels=pixels).check(0.1)
+    cover(bench, np.random.default_rng(), 1000, pixels=pixels).check(0.1, cautious)
 
 
 @pytest.mark.soak
