@@ -2,17 +2,12 @@
 
 Gauss-Newton on the amplitudes of all harmonics, scale, tilt, and each frame's position and light;
 then one step of generalised least squares with each pixel's gain and offset as random effects.
-The covariance is the sandwich N⁻¹·(Σ s·sᵀ)·N⁻¹ with s the scores of groups of pixels (Liang and
-Zeger, Biometrika 73, 13, 1986), which holds whatever the noise depends on (shot noise follows the
-signal) as long as groups are independent.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import blas
 
 from calib.errors import NotDeterminedError
 from calib.mtf.assembly.odd_pixels import good_pixels, plausible_pixels
@@ -20,6 +15,7 @@ from calib.mtf.estimation.harmonic_fit import HarmonicFit
 from calib.mtf.estimation.normal_equations import Normal, normal_matrix
 from calib.mtf.estimation.normal_solver import NormalSolver
 from calib.mtf.estimation.pixel_effects import PixelEffects, pixel_effects
+from calib.mtf.estimation.sandwich import lower_square, sandwich, scores_by_rows, whole
 from calib.mtf.estimation.slopes import Slopes
 from calib.mtf.estimation.state import State
 from calib.mtf.geometry import Alignment
@@ -28,8 +24,6 @@ from calib.mtf.scan_images import ScanImages
 
 _MOST_STEPS = 12
 _SETTLED = 1e-3  # of a standard deviation per unknown
-_GROUPS_PER_UNKNOWN = 20
-_CHUNK_BYTES = 1 << 27
 _ASTRAY, _AT_LEAST = 10.0, 0.05  # medians of all frames' errors; of the stage's step
 
 
@@ -125,11 +119,11 @@ def _generalised(scan: ScanImages, at: _At, effects: PixelEffects) -> HarmonicFi
         residual = effects.whitened(at.residual, at.slopes.model)
         residual[:, ~at.good] = 0
     solved = solved or NormalSolver.of(normal, at.slopes.state)
-    half = solved.solve(_scatter_of_scores(at.slopes, residual))
+    covariance = sandwich(at.slopes, residual, normal, solved)
     gain, offset = effects.of(at.residual, at.slopes.model)
     return HarmonicFit(
-        at.slopes.state, solved.solve(half.T), residual, effects.noise, gain, offset,
-        effects.gain_std, at.good,
+        at.slopes.state, covariance, residual, effects.noise, gain, offset, effects.gain_std,
+        at.good,
     )  # fmt: skip
 
 
@@ -137,35 +131,6 @@ def _taken_out(at: _At, effects: PixelEffects) -> Normal:
     """Return Σ over pixels of (slopesᵀ·Z·L)(slopesᵀ·Z·L)ᵀ: what gains and offsets hide."""
     total = np.zeros((at.slopes.state.layout.size,) * 2)
     for direction in effects.directions(at.slopes.model):
-        for scores in _scores(at.slopes, direction * at.good):
-            total += _square(scores)
-    return _full(total)
-
-
-def _scatter_of_scores(slopes: Slopes, residual: Frames) -> Normal:
-    """Return Σ s·sᵀ over groups of neighbouring pixels."""
-    size = slopes.state.layout.size
-    total = np.zeros((size, size))
-    group = max(1, residual[0].size // (_GROUPS_PER_UNKNOWN * size))
-    for scores in _scores(slopes, residual):
-        total += _square(np.add.reduceat(scores, np.arange(0, scores.shape[1], group), axis=1))
-    return _full(total) * residual.size / max(residual.size - size, 1)
-
-
-def _scores(slopes: Slopes, field: Frames) -> Iterator[NDArray[np.float32]]:
-    """Yield the scores of a few rows of pixels at a time, (n_unknowns, n_pixels)."""
-    n_rows, n_columns = field.shape[1:]
-    rows = max(1, _CHUNK_BYTES // (8 * n_columns * slopes.state.layout.size))
-    for first in range(0, n_rows, rows):
-        these = slice(first, min(first + rows, n_rows))
-        yield slopes.by_pixel(field[:, these], these)
-
-
-def _square(scores: NDArray[np.float32]) -> Normal:
-    """Return the lower triangle of scores · scoresᵀ."""
-    square: Normal = blas.ssyrk(1.0, scores.T, trans=1, lower=1)
-    return square
-
-
-def _full(lower: Normal) -> Normal:
-    return lower + np.tril(lower, -1).T
+        for scores in scores_by_rows(at.slopes, direction * at.good):
+            total += lower_square(scores)
+    return whole(total)
