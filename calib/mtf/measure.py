@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.mtf.assembly.coarse_alignment import coarse_alignment
+from calib.mtf.assembly.saturation import check_saturation
 from calib.mtf.estimate import TransferFunction
 from calib.mtf.estimation.compact_psf import CompactPsf, Harmonic, compact_psf
 from calib.mtf.estimation.harmonic_fit import HarmonicFit
@@ -74,6 +75,7 @@ def measure(scan: ScanImages, method: Method = "regularised", support: int = 3) 
     Raises:
         NotDeterminedError: Where the recording does not determine the result; its code says why.
     """
+    check_saturation(scan.images)
     coarse = coarse_alignment(scan)
     blind = tuple(scan.positions[k] for k in coarse.without_pattern)
     kept = scan.without(coarse.without_pattern) if blind else scan

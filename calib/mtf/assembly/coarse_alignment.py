@@ -22,6 +22,7 @@ from calib.mtf.scan_images import ScanImages
 _BLOCK_PIXELS, _MOST_BLOCKS = 24, 8
 _PASSES = 2
 _LEAST_AGREEMENT = 0.5
+_LEAST_STRENGTH = 0.2  # of the other frames' pattern: light may fall so far, noise stays below
 _LEAST_LIKENESS = 0.8  # to a square pixel's view; shapes that were tried reach 0.93, chance 0.7
 _TRIMMED = 4.0
 _LOW = 0.9  # of 1/pitch: up to there a pixel that fills its pitch has not changed its sign
@@ -129,16 +130,21 @@ def _stage_positions(
     consensus = np.median(spectra.real, axis=0) + 1j * np.median(spectra.imag, axis=0)
     nominal = _nominal(scan, low)
     likeness = nominal.agreement(consensus[None], nominal.best(consensus[None]))[0]
+    if likeness < _LEAST_LIKENESS:
+        raise _no_pattern()
     search = PatternSearch(low, consensus)
     found = search.best(spectra)
     blind = search.agreement(spectra, found) < _LEAST_AGREEMENT
-    if likeness < _LEAST_LIKENESS or blind.sum() > len(blind) / 2:
-        msg = (
-            "the frames do not show the pattern of this grating: check eta2, period_um, pitch_um, m"
-        )
-        msg += " and n, and that frames are in the stage's order"
-        raise NotDeterminedError(msg, code="no-pattern")
+    blind |= search.strength(spectra, found) < _LEAST_STRENGTH
+    if blind.sum() > len(blind) / 2:
+        raise _no_pattern()
     errors = np.where(blind[:, None], 0.0, -found)
     return CoarseAlignment(
         replace(alignment, stage_um=errors), tuple(np.flatnonzero(blind).tolist())
     )
+
+
+def _no_pattern() -> NotDeterminedError:
+    msg = "the frames do not show the pattern of this grating: check eta2, period_um, pitch_um, m"
+    msg += " and n, and that frames are in the stage's order"
+    return NotDeterminedError(msg, code="no-pattern")

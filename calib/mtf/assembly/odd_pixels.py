@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from calib.mtf.assembly.saturation import saturated_pixels
 from calib.mtf.harmonic_sums import Frames
 
 _TIMES_MEDIAN = 8.0  # 5.4 standard deviations of a Gaussian scatter
@@ -14,11 +15,14 @@ _ROUND_OFF = 1e-9
 
 
 def plausible_pixels(images: Frames) -> NDArray[np.bool_]:
-    """Return which pixels' means are not far beyond the others', before anything is fitted."""
+    """Return which pixels' means are not far beyond the others', before anything is fitted.
+
+    Those that were saturated in some frames are not plausible, either.
+    """
     mean = images.mean(axis=0)
     away = np.abs(mean - np.median(mean))
     good: NDArray[np.bool_] = away <= _FAR * np.median(away) + _ROUND_OFF * np.abs(mean).max()
-    return good
+    return good & ~saturated_pixels(images)
 
 
 def good_pixels(residual: Frames, model: Frames) -> NDArray[np.bool_]:

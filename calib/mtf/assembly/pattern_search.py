@@ -10,6 +10,7 @@ from calib.mtf.harmonic_sums import Complex
 
 _PER_PERIOD = 8
 _NEWTON_STEPS = 6
+_NONE = 1e-300  # a frame without any contrast
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,12 +45,21 @@ class PatternSearch:
 
     def agreement(self, spectra: Complex, shifts: NDArray[np.floating]) -> NDArray[np.floating]:
         """Return how well each spectrum agrees at its shift: 1 where it is the reference, (n,)."""
-        turned = np.exp(2j * np.pi * (shifts @ self.harmonics.frequency_per_um.T))
         used = np.abs(self.reference) > 0
-        overlap = (spectra * turned * self.reference.conj())[:, used].sum(1).real
         norm = np.linalg.norm(spectra[:, used], axis=1) * np.linalg.norm(self.reference)
-        agreement: NDArray[np.floating] = overlap / norm
+        agreement: NDArray[np.floating] = self._overlap(spectra, shifts) / np.maximum(norm, _NONE)
         return agreement
+
+    def strength(self, spectra: Complex, shifts: NDArray[np.floating]) -> NDArray[np.floating]:
+        """Return how much of the reference each spectrum holds at its shift, (n,)."""
+        power = np.linalg.norm(self.reference) ** 2
+        strength: NDArray[np.floating] = self._overlap(spectra, shifts) / np.maximum(power, _NONE)
+        return strength
+
+    def _overlap(self, spectra: Complex, shifts: NDArray[np.floating]) -> NDArray[np.floating]:
+        turned = np.exp(2j * np.pi * (shifts @ self.harmonics.frequency_per_um.T))
+        overlap: NDArray[np.floating] = (spectra * turned * self.reference.conj()).sum(1).real
+        return overlap
 
     def _grid(self, highest: float) -> NDArray[np.floating]:
         """Return shifts that fill the cell, several to the shortest period: (n, 2)."""

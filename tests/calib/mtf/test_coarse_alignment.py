@@ -7,7 +7,7 @@ from calib.mtf.assembly.coarse_alignment import coarse_alignment
 from calib.mtf.geometry import Alignment
 from calib.mtf.grating.grating import Grating
 from calib.mtf.scan_images import ScanImages
-from tests.calib.mtf.simulated import ORDERS_24, PAPER, misaligned, record
+from tests.calib.mtf.simulated import ORDERS_12, ORDERS_24, PAPER, SMALL, misaligned, record
 
 ENOUGH_UM = 1.0
 """A tenth of the finest period, from where the fit finds its way."""
@@ -49,6 +49,34 @@ def test_a_frame_without_the_pattern_is_told_from_the_others() -> None:
     images[5] = rng.normal(50_000, 20_000, images[5].shape)
     found = coarse_alignment(ScanImages.whole(PAPER, ORDERS_24, images))
     assert found.without_pattern == (5,)
+
+
+@pytest.mark.parametrize("value", [0.0, 20_000.0, 65_535.0])
+def test_a_frame_without_contrast_is_left_out(value: float) -> None:
+    images = record(default_rng(), scan=SMALL, grating=ORDERS_12).scan.images.copy()
+    images[4] = value
+    assert coarse_alignment(ScanImages.whole(SMALL, ORDERS_12, images)).without_pattern == (4,)
+
+
+def test_noise_that_resembles_the_pattern_by_chance_is_too_weak_for_it() -> None:
+    rng = default_rng()
+    images = record(rng, scan=SMALL, grating=ORDERS_12).scan.images.copy()
+    for std in np.geomspace(10, 10_000, 30):
+        images[4] = rng.normal(50_000, std, images[4].shape)
+        assert coarse_alignment(ScanImages.whole(SMALL, ORDERS_12, images)).without_pattern == (4,)
+
+
+def test_a_frame_of_a_third_of_the_light_still_counts() -> None:
+    images = record(default_rng(), scan=SMALL, grating=ORDERS_12).scan.images.copy()
+    images[4] /= 3
+    assert coarse_alignment(ScanImages.whole(SMALL, ORDERS_12, images)).without_pattern == ()
+
+
+@pytest.mark.parametrize("value", [0.0, 20_000.0])
+def test_frames_without_any_contrast_are_refused(value: float) -> None:
+    with pytest.raises(NotDeterminedError) as refused:
+        coarse_alignment(ScanImages.whole(SMALL, ORDERS_12, np.full((10, 30, 30), value)))
+    assert refused.value.code == "no-pattern"
 
 
 @pytest.mark.parametrize("other", [Grating(650, 330.0), Grating(325, 500.0)])
