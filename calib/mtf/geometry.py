@@ -19,6 +19,17 @@ from calib.errors import InputError
 Vector = NDArray[np.floating]
 
 
+def check_pitch(pitch_um: float) -> None:
+    """Refuse a pixels' distance that cannot be, µm.
+
+    Raises:
+        InputError: `bad-pitch`.
+    """
+    if not (np.isfinite(pitch_um) and pitch_um > 0):
+        msg = f"pitch_um = {pitch_um} cannot be: give the pixels' distance in µm"
+        raise InputError(msg, code="bad-pitch")
+
+
 @dataclass(frozen=True)
 class Scan:
     """A tilted detector and one stage.
@@ -34,9 +45,7 @@ class Scan:
     n: int
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.pitch_um) and self.pitch_um > 0):
-            msg = f"pitch_um = {self.pitch_um} cannot be: give the pixels' distance in µm"
-            raise InputError(msg, code="bad-pitch")
+        check_pitch(self.pitch_um)
         if self.m < 0 or self.n < 0 or gcd(self.m, self.n) != 1:
             msg = f"m = {self.m} and n = {self.n} are not coprime, so that stage positions would"
             msg += " repeat each other: choose others, such as 1 and 6"

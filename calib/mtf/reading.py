@@ -2,19 +2,20 @@
 
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from calib.errors import InputError, reason_of
+from calib.mtf.frame_files import check_names, read_alike
 from calib.mtf.geometry import Scan
 from calib.mtf.grating.grating import Grating
 from calib.mtf.scan_images import ScanImages
 from calib.recording.recording_toml import first_problem
 
-Image = NDArray[np.floating]
+_MOST_POSITIONS = 1000  # numbered by three digits
+_MOST_HARMONICS = 5000  # of a pair each one: the normal matrix takes 0.8 GB
+_MOST_ETA2 = 10**9
 
 
 class _Table(BaseModel):
@@ -24,7 +25,7 @@ class _Table(BaseModel):
 class GratingTable(_Table):
     """`[grating]`."""
 
-    eta2: int
+    eta2: int = Field(le=_MOST_ETA2)
     period_um: float
 
 
@@ -42,7 +43,7 @@ class EdgeTable(_Table):
     `moving`: a straight edge that moves along a line sensor, lines being the images' rows.
     """
 
-    direction: str = Field(default="x", pattern="^[xy]$")
+    direction: Literal["x", "y"] = "x"
     moving: bool = False
 
 
@@ -86,78 +87,58 @@ def read_toml(folder: Path) -> MtfToml:
     except (OSError, ValueError, RecursionError) as error:
         msg = f"{path} cannot be read ({reason_of(error)}): correct it"
         raise InputError(msg, code="header-invalid") from error
+    _check_tables(path, read)
+    return read
+
+
+def _check_tables(path: Path, read: MtfToml) -> None:
+    """Refuse a header of neither a grating nor an edge, and one of both."""
     if read.edge is None and (read.grating is None or read.scan is None):
         lacking = "[grating]" if read.grating is None else "[scan]"
         msg = f"{path}: {lacking} is missing: add it, or [edge] for an edge without a grating"
         raise InputError(msg, code="header-invalid")
-    return read
+    if read.edge is not None and (read.grating is not None or read.scan is not None):
+        msg = f"{path} has [edge] beside a grating's tables: a folder holds one or the other, so"
+        raise InputError(f"{msg} remove what was not recorded", code="header-invalid")
 
 
 def read_scan(folder: Path, read: MtfToml) -> ScanImages:
     """Read the frames of a scan with a grating.
 
     Raises:
-        InputError: See `read_image`; `frames-missing`, `frames-extra`, `not-coprime`, `no-orders` …
+        InputError: See `check_names` and `read_alike`; `not-coprime`, `too-many-positions`,
+            `missing-wrong`, `no-orders`, `bad-grating`, `bad-pitch` or `too-many-harmonics`.
     """
     assert read.grating is not None and read.scan is not None  # noqa: S101, PT018
     scan = Scan(read.pitch_um, read.scan.m, read.scan.n)
     grating = Grating(read.grating.eta2, read.grating.period_um)
-    absent = set(read.scan.missing)
-    positions = tuple(k for k in range(scan.positions) if k not in absent)
+    _check_size(folder / "mtf.toml", scan, grating)
+    positions = _positions(folder / "mtf.toml", scan, read.scan.missing)
     paths = [folder / "frames" / f"{k:03d}.npy" for k in positions]
-    _check_names(folder / "frames", paths, scan.positions)
-    images = [read_image(path) for path in paths]
-    for path, image in zip(paths, images, strict=True):
-        if image.shape != images[0].shape:
-            msg = f"{path} has shape {image.shape}, but {paths[0].name} has {images[0].shape}:"
-            raise InputError(f"{msg} record all frames alike", code="frames-wrong-shape")
-    return ScanImages(scan, grating, np.stack(images), positions)
+    check_names(folder / "frames", paths, scan.positions)
+    return ScanImages(scan, grating, read_alike(paths), positions)
 
 
-def read_image(path: Path) -> Image:
-    """Read one mean image.
-
-    Raises:
-        InputError: `frames-unreadable`, `frames-wrong-shape`, `frames-wrong-dtype` or `frames-
-            not-finite`.
-    """
-    try:
-        image = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        msg = f"{path} cannot be read ({reason_of(error)}): save it again with numpy.save"
-        raise InputError(msg, code="frames-unreadable") from error
-    if image.dtype.kind not in "iuf":
-        msg = f"{path} holds {image.dtype}, but a mean image holds numbers: save it as float64"
-        raise InputError(msg, code="frames-wrong-dtype")
-    if image.ndim != 2 or min(image.shape) < 2:
-        msg = f"{path} has shape {image.shape}, but a mean image is (n_rows, n_columns): average"
-        msg += " the frames of a position first"
-        raise InputError(msg, code="frames-wrong-shape")
-    wrong = np.argwhere(~np.isfinite(image))
-    if len(wrong):
-        row, column = wrong[0].tolist()
-        msg = (
-            f"{path} holds {image[row, column]} at row {row}, column {column}: replace what is not"
-        )
-        raise InputError(f"{msg} known by 0, odd pixels are left out", code="frames-not-finite")
-    return np.asarray(image, np.float64)
+def _check_size(toml: Path, scan: Scan, grating: Grating) -> None:
+    """Refuse what no folder can hold and no machine reduces."""
+    if scan.positions > _MOST_POSITIONS:
+        msg = f"{toml}: m = {scan.m} and n = {scan.n} make {scan.positions} positions, but frames"
+        msg += " are numbered 000 to 999: choose smaller ones, such as 1 and 6"
+        raise InputError(msg, code="too-many-positions")
+    if len(grating.harmonics) > _MOST_HARMONICS:
+        msg = f"{toml}: eta2 = {grating.eta2} makes {grating.harmonics.count} harmonics, more than"
+        msg += f" {2 * _MOST_HARMONICS}: take a grating of fewer orders, such as 650 or 5525"
+        raise InputError(msg, code="too-many-harmonics")
 
 
-def _check_names(folder: Path, paths: list[Path], n_positions: int) -> None:
-    """Refuse a folder that lacks a frame or holds one too many."""
-    if not folder.is_dir():
-        raise InputError(f"{folder} is missing: add the frames", code="frames-missing")
-    lacking = [path.stem for path in paths if not path.is_file()]
-    if lacking:
-        named = ", ".join(lacking[:5]) + (" …" if len(lacking) > 5 else "")
-        numbers = ", ".join(str(int(each)) for each in lacking[:5])
-        msg = (
-            f"frame {named} is missing in {folder}: put it back, or say missing = [{numbers}] under"
-        )
-        raise InputError(f"{msg} [scan] to do without", code="frames-missing")
-    extra = sorted({each.name for each in folder.glob("*.npy")} - {path.name for path in paths})
-    if extra:
-        msg = (
-            f"{folder} holds {extra[0]}, but m and n make {n_positions} positions: move it away, or"
-        )
-        raise InputError(f"{msg} correct m, n and missing", code="frames-extra")
+def _positions(toml: Path, scan: Scan, missing: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the stage positions that were recorded."""
+    unknown = sorted(set(missing) - set(range(scan.positions)))
+    if unknown:
+        msg = f"{toml}: missing names {unknown[0]}, but positions are 0 to {scan.positions - 1}:"
+        raise InputError(f"{msg} correct it", code="missing-wrong")
+    positions = tuple(k for k in range(scan.positions) if k not in set(missing))
+    if not positions:
+        msg = f"{toml}: missing names every position, so that nothing is left: record the scan"
+        raise InputError(msg, code="missing-wrong")
+    return positions

@@ -55,11 +55,13 @@ def slanted_edge(image: Vector, pitch_um: float, *, moving: bool = False) -> Edg
         moving: Rows are lines of a line sensor, along which a straight edge moves steadily.
 
     Raises:
-        NotDeterminedError: `no-edge`, `no-slant`, or `edge-too-short` where bins stay empty.
+        NotDeterminedError: `no-edge`, `no-slant`, `edge-at-border`, or `edge-too-short` where bins
+            stay empty.
     """
     edge = find_edge(image)
     angle = 0.0 if moving else float(np.arctan(edge.slope))
     rows, columns = np.arange(len(image), dtype=float), np.arange(image.shape[1], dtype=float)
+    _check_within(edge.at(rows), image.shape[1])
     away = (columns - edge.at(rows)[:, None]) * np.cos(angle)
     step = 1 / _BINS_PER_PIXEL
     reach = round(_REACH_PIXELS / step)
@@ -68,6 +70,14 @@ def slanted_edge(image: Vector, pitch_um: float, *, moving: bool = False) -> Edg
     spread, variance = _edge_spread(image[inside], at[inside] + reach, 2 * reach + 1)
     place = pitch_um * step * np.arange(-reach, reach + 1)
     return _transform(spread, variance, place, pitch_um, angle)
+
+
+def _check_within(column: Vector, n_columns: int) -> None:
+    """Refuse an edge whose flanks are cut off at a border."""
+    if column.min() < _REACH_PIXELS or column.max() > n_columns - 1 - _REACH_PIXELS:
+        msg = f"the edge runs from column {column[0]:.1f} to {column[-1]:.1f}, nearer than"
+        msg += f" {_REACH_PIXELS:.0f} pixels to the border: cut the image to where it stays inside"
+        raise NotDeterminedError(msg, code="edge-at-border")
 
 
 def _edge_spread(signal: Vector, at: NDArray[np.int64], n_bins: int) -> tuple[Vector, Vector]:

@@ -68,3 +68,12 @@ def test_too_few_rows_are_refused() -> None:
     with pytest.raises(NotDeterminedError, match="more rows") as refused:
         slanted_edge(edge_image(CORNER, PITCH_UM, (14, 60), SLANT), PITCH_UM)
     assert refused.value.code == "edge-too-short"
+
+
+@pytest.mark.parametrize("n_columns", [36, 34, 32, 30])
+@pytest.mark.parametrize("slant", [SLANT, -SLANT])
+def test_an_edge_that_leaves_the_image_is_refused(n_columns: int, slant: float) -> None:
+    image = edge_image(CORNER, PITCH_UM, SHAPE, slant)[:, :n_columns]  # it runs from 20 to 39
+    with pytest.raises(NotDeterminedError, match="cut the image") as refused:
+        slanted_edge(image, PITCH_UM)
+    assert refused.value.code == "edge-at-border"
