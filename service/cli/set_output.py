@@ -10,9 +10,23 @@ from calib.recording.durable import refuse_existing
 
 def save_set(coefficients: CoefficientSet, out: Path) -> None:
     """Write the set to `out`; a file that is there already is kept, unless it is the same set."""
+    check_set(coefficients, out)
+    coefficients.save(out)
+
+
+def check_set(coefficients: CoefficientSet, out: Path) -> None:
+    """Refuse an `out` that is there already, unless it is the same set."""
     if out.exists() and _id_of(out) != coefficients.id:
         refuse_existing(out)
-    coefficients.save(out)
+
+
+def check_distinct(*outputs: Path | None) -> None:
+    """Refuse outputs of which one would be written over another."""
+    named = [each for each in outputs if each is not None]
+    for k, each in enumerate(named):
+        if each.resolve() in {other.resolve() for other in named[:k]}:
+            msg = f"{each} is named for two outputs: name another for one of them"
+            raise InputError(msg, code="output-named-twice")
 
 
 def check_report(report: Path | None) -> None:

@@ -57,8 +57,9 @@ def mtf(
         from calib.mtf.reading import read_toml  # noqa: PLC0415
         from calib.recording.durable import refuse_existing  # noqa: PLC0415
         from service.cli.mtf_work import of_edge, of_grating  # noqa: PLC0415
-        from service.cli.set_output import check_report  # noqa: PLC0415
+        from service.cli.set_output import check_distinct, check_report  # noqa: PLC0415
 
+        check_distinct(out, set_out, report)
         refuse_existing(out)
         check_report(report)
         read = read_toml(folder)
