@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
 
+from calib.mtf.answer import answer
 from calib.mtf.assembly.oversampled import Oversampled, oversampled
 from calib.mtf.estimate import TransferMap, band_limited_psf
 from calib.mtf.filter.filter_estimate import filter_estimate
@@ -119,7 +120,7 @@ def section_7(rng: Generator, shape: tuple[int, int]) -> TransferResult:
     values, error = compared(result.measurement, result.measurement.psf, SQUARE)
     z = (error.real / np.maximum(values.real_std, 1e-9))[values.valid]
     print(f"within 3σ: {100 * (np.abs(z) < 3).mean():.1f} % of the disc")
-    for warning in result.answer()["warnings"]:
+    for warning in answer(result)["warnings"]:
         print(f"! {warning}")
     return result
 

@@ -49,13 +49,17 @@ def first_zero(cut: Cut) -> Estimate:
 
 
 def at_nyquist(transfer: TransferFunction, pitch_um: float) -> dict[str, Estimate]:
-    """Return |T| at 1/(2 pitch) along x and along y."""
+    """Return |T| at 1/(2 pitch) along x and along y; unknown where it is not determined."""
     nyquist, zero = np.array([0.5 / pitch_um]), np.zeros(1)
     found = {"x": transfer.at(nyquist, zero), "y": transfer.at(zero, nyquist)}
-    return {
-        axis: Estimate(float(np.abs(each.transfer[0, 0])), float(each.modulus_std[0, 0]), "1")
-        for axis, each in found.items()
-    }
+    return {axis: _modulus(axis, _flat(each)) for axis, each in found.items()}
+
+
+def _modulus(axis: str, at: TransferMap) -> Estimate:
+    if not at.valid[0]:
+        why = f"the pattern does not determine Nyquist's frequency along {axis}"
+        return Estimate.unknown("1", why)
+    return Estimate(float(np.abs(at.transfer[0])), float(at.modulus_std[0]), "1")
 
 
 def _flat(values: TransferMap) -> TransferMap:

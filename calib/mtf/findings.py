@@ -68,8 +68,9 @@ def warnings(found: Measurement) -> tuple[str, ...]:
     )
     if missing:
         named = ", ".join(f"{position:03d}" for position in missing)
-        told.append(f"stage position {named} was not recorded: done without")
-    return (*told, *_about_geometry(found), *_about_pixels(found))
+        which = "position %s was" if len(missing) == 1 else "positions %s were"
+        told.append(f"stage {which % named} not recorded: done without")
+    return (*told, *_about_geometry(found), *_about_pixels(found), *_about_light(found))
 
 
 def _about_geometry(found: Measurement) -> list[str]:
@@ -93,3 +94,13 @@ def _about_pixels(found: Measurement) -> list[str]:
     if odd:
         told.append(f"{odd} pixels do not follow the pattern as the others do: left out")
     return told
+
+
+def _about_light(found: Measurement) -> list[str]:
+    """Return what the harmonics say of the mean light: T must come to 1 at frequency 0."""
+    excess, std = found.psf.mean_excess
+    if abs(excess) <= _SURE * std:
+        return []
+    told = f"the mean light is {100 * excess:+.2g} % (± {100 * std:.1g} %) off what the harmonics"
+    told += f" of a PSF on {found.support} × {found.support} pixels say: remove the dark and stray"
+    return [f"{told} light, or look for crosstalk from beyond"]

@@ -1,4 +1,4 @@
-"""What `darkflat mtf` answers and writes: contract §6."""
+"""What `darkflat mtf` writes: contract §6."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from calib.mtf.estimate import TransferMap
 from calib.mtf.figures_of_merit import PER_MM, Cut, at_nyquist, cuts, first_zero
-from calib.mtf.findings import stage_outliers, stage_rms_um, warnings
 from calib.mtf.measure import Measurement
 from calib.radiometric.coefficients.transfer_reference import TransferReference
 from calib.recording import content_addressed
@@ -80,53 +79,6 @@ class TransferResult:
         """
         content_addressed.write(path, self._arrays, self._metadata)
 
-    def answer(self) -> dict[str, Any]:
-        """Return the JSON answer."""
-        found, zeros = self.measurement, self.first_zeros
-        error, std = found.fit.tilt_rad, np.sqrt(np.diag(found.shift_covariance))
-        return {
-            "transfer_function": self.id,
-            "method": found.method,
-            "first_zero_per_mm": [each.answer()["value"] for each in zeros],
-            "first_zero_std_per_mm": [each.answer()["std"] for each in zeros],
-            "mtf_at_nyquist": {
-                **{axis: each.value for axis, each in self.nyquist.items()},
-                "std": max(each.std for each in self.nyquist.values()),
-            },
-            "grating_shift_um": found.shift_um.tolist(),
-            "grating_shift_std_um": std.tolist(),
-            "mean_transfer_std": self.mean_std,
-            "valid_percent": 100 * self._valid_share,
-            "tilt_error_deg": {"value": np.degrees(error[0]), "std": np.degrees(error[1])},
-            "scale_error": {"value": found.fit.scale[0], "std": found.fit.scale[1]},
-            "stage_rms_um": stage_rms_um(found),
-            "stage_outliers": [
-                {"position": each.position, "error_um": each.error_um, "std_um": each.std_um}
-                for each in stage_outliers(found)
-            ],
-            "gain_scatter_percent": 100 * found.fit.gain_std,
-            "noise_relative": found.fit.noise / found.fit.mean,
-            "pixels_left_out": int((~found.fit.good).sum()),
-            "positions_used": len(found.fit.state.sampling.frames),
-            "warnings": [
-                *(f"mtf.toml: unknown key {key} is left out" for key in self.unknown_keys),
-                *warnings(found),
-                *self._about_the_filter,
-            ],
-        }
-
-    @property
-    def _about_the_filter(self) -> list[str]:
-        """Return by how much the paper's filter misses what harmonics and support say."""
-        found = self.measurement
-        if found.method != "filter":
-            return []
-        axis = found.frequency_per_um
-        both = self.values.valid & (better := found.psf.at(axis, axis)).valid
-        away = float(np.abs(self.values.transfer - better.transfer)[both].max())
-        told = f"the filter differs from the regularised estimate by up to {away:.2g}, since its"
-        return [f"{told} window smooths the transfer function; its uncertainty is of noise alone"]
-
     def reference(self) -> TransferReference:
         """Return what a coefficient set carries of it."""
         x, y = self.first_zeros
@@ -136,16 +88,9 @@ class TransferResult:
             method=self.measurement.method,
             pitch_um=self.measurement.scan.pitch_um,
             first_zero_per_mm=(x.answer()["value"], y.answer()["value"]),
-            mtf_at_nyquist=(found["x"].value, found["y"].value),
-            mtf_at_nyquist_std=(found["x"].std, found["y"].std),
+            mtf_at_nyquist=(found["x"].answer()["value"], found["y"].answer()["value"]),
+            mtf_at_nyquist_std=(found["x"].answer()["std"], found["y"].answer()["std"]),
         )
-
-    @property
-    def _valid_share(self) -> float:
-        """Of the disc of harmonics."""
-        axis = self.measurement.frequency_per_um
-        disc = np.hypot(*np.meshgrid(axis, axis)) <= self.measurement.grating.max_frequency_per_um
-        return float(self.values.valid[disc].mean())
 
     @cached_property
     def _arrays(self) -> dict[str, NDArray[Any]]:

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from calib.errors import InputError
+from calib.mtf.answer import answer
 from calib.mtf.edge.edge_result import EdgeResult
 from calib.mtf.edge.reading import read_edge
 from calib.mtf.measure import measure
@@ -11,7 +12,7 @@ from calib.mtf.reading import MtfToml, read_scan
 from calib.mtf.result import TransferResult
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from service.cli.about import about
-from service.cli.set_output import save_set
+from service.cli.set_output import check_set, save_set
 
 
 def of_grating(
@@ -27,15 +28,17 @@ def of_grating(
 ) -> dict[str, Any]:
     """Reduce a scan of a grating; write TF.h5 and what else is asked for; return the answer."""
     carrying = None if coefficient_set is None else CoefficientSet.load(coefficient_set)
-    scan = read_scan(folder, read)
     with about(folder):
+        scan = read_scan(folder, read)
         result = TransferResult(measure(scan, method, support), read.unknown_keys())
-    told = {**result.answer(), "path": str(out), "report": None, "coefficient_set": None}
-    result.save(out)
-    if carrying is not None and set_out is not None:
-        made = carrying.with_transfer_function(result.reference())
-        save_set(made, set_out)
+    told = {**answer(result), "path": str(out), "report": None, "coefficient_set": None}
+    made = None if carrying is None else carrying.with_transfer_function(result.reference())
+    if made is not None and set_out is not None:
+        check_set(made, set_out)
         told["coefficient_set"] = made.id
+    result.save(out)
+    if made is not None and set_out is not None:
+        save_set(made, set_out)
     if report is not None:
         from calib.mtf.report.page import write_report  # noqa: PLC0415  (matplotlib is slow)
 
@@ -58,6 +61,7 @@ def of_edge(
         raise InputError(f"{msg} --set, or record a grating", code="edge-only")
     with about(folder):
         result = EdgeResult(*read_edge(folder, read))
-    told = {**result.answer(), "path": str(out), "report": None, "coefficient_set": None}
+        found = result.answer()
+    told = {**found, "path": str(out), "report": None, "coefficient_set": None}
     result.save(out)
     return told

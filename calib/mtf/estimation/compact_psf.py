@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
+from calib.errors import NotDeterminedError
 from calib.mtf.estimate import Axis, Map, TransferMap
 from calib.mtf.estimation.compact_basis import CompactBasis
 from calib.mtf.estimation.psf_prior import PsfPrior, most_probable
@@ -21,6 +22,8 @@ from calib.mtf.harmonic_sums import Complex
 Matrix = NDArray[np.floating]
 _CELLS_PER_PERIOD = 4  # of the pattern's finest
 _CELLS_FOR_PRIOR = 3
+_LEAST_PERIODS_PER_PIXEL = 2.0  # coarser cells than an eighth make no pixel's edge
+_MOST_CELLS = 100  # along a side: their covariance takes 0.8 GB
 _MOST_FOR_PRIOR = 300
 _MARGIN_PIXELS = 0.5  # a quarter on each side, into which a neighbour's far edge is blurred
 _CENTRINGS = 2
@@ -83,6 +86,8 @@ class CompactPsf:
         share: Of the signal in each cell, (n²,).
         covariance: Of the shares, (n², n²).
         max_frequency_per_um: Up to where harmonics were measured.
+        mean_excess: By how much the mean light exceeds the T(0) that the harmonics alone make
+            probable, relative to the mean light; and its std.
     """
 
     basis: CompactBasis
@@ -90,6 +95,7 @@ class CompactPsf:
     share: Matrix
     covariance: Matrix
     max_frequency_per_um: float
+    mean_excess: tuple[float, float]
 
     @cached_property
     def centroid_um(self) -> NDArray[np.floating]:
@@ -143,12 +149,20 @@ def compact_psf(
 
     Returns:
         The PSF, and where its centroid was, (x, y) in the detector's frame, µm.
+
+    Raises:
+        NotDeterminedError: `pattern-too-fine`.
     """
     side = (support + _MARGIN_PIXELS) * pitch_um
+    finest = max(max_frequency_per_um, _LEAST_PERIODS_PER_PIXEL / pitch_um)
     rough, basis = (
-        CompactBasis(side, int(np.ceil(n * side * max_frequency_per_um)))
+        CompactBasis(side, int(np.ceil(n * side * finest)))
         for n in (_CELLS_FOR_PRIOR, _CELLS_PER_PERIOD)
     )
+    if basis.cells > _MOST_CELLS:
+        msg = f"the pattern reaches {1e3 * max_frequency_per_um:.0f}/mm, too fine for a PSF on"
+        msg += f" {support} × {support} pixels of {pitch_um:g} µm: check pitch_um and period_um"
+        raise NotDeterminedError(msg, code="pattern-too-fine")
     prior = most_probable(rough, *measured.thinned().data(rough))
     centroid = np.zeros(2)
     for _ in range(_CENTRINGS):
@@ -166,4 +180,16 @@ def _posterior(
     solved = cho_factor(design @ reach + noise, lower=True)
     share = reach @ cho_solve(solved, seen)
     covariance = before - reach @ cho_solve(solved, reach.T)
-    return CompactPsf(basis, prior, share, covariance, max_frequency_per_um)
+    excess = _left_out(solved, seen)
+    return CompactPsf(basis, prior, share, covariance, max_frequency_per_um, excess)
+
+
+def _left_out(solved: tuple[Matrix, bool], seen: Matrix) -> tuple[float, float]:
+    """Return the last datum less what all others predict of it, and the std of that.
+
+    Source: Rasmussen and Williams (2006), equations 5.10 to 5.12.
+    """
+    unit = np.zeros(len(seen))
+    unit[-1] = 1.0
+    row = cho_solve(solved, unit)
+    return float(row @ seen / row[-1]), float(1 / np.sqrt(row[-1]))

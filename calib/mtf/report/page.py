@@ -8,6 +8,7 @@ from jinja2 import Environment, StrictUndefined, Template
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
+from calib.mtf.answer import answer
 from calib.mtf.report import bench_figure, cut_figure, maps
 from calib.mtf.result import TransferResult
 from calib.recording.durable import write_whole
@@ -47,7 +48,7 @@ def write_report(path: Path, result: TransferResult) -> None:
         title="Pixel transfer function",
         method=_method(result),
         facts=_facts(result),
-        warnings=result.answer()["warnings"],
+        warnings=answer(result)["warnings"],
         pictures=pictures,
         id=result.id,
     )
@@ -68,7 +69,7 @@ def _method(result: TransferResult) -> str:
 
 
 def _facts(result: TransferResult) -> tuple[tuple[str, str], ...]:
-    found, told = result.measurement, result.answer()
+    found, told = result.measurement, answer(result)
     x, y = result.first_zeros
     shift = zip(told["grating_shift_um"], told["grating_shift_std_um"], strict=True)
     return (

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-Pair = tuple[float, float]
+Pair = tuple[float | None, float | None]
 
 
 @dataclass(frozen=True)
@@ -14,13 +14,13 @@ class TransferReference:
         method: How it was estimated.
         pitch_um: The pixels' distance, µm.
         first_zero_per_mm: Where it first changes its sign; None along an axis without a zero.
-        mtf_at_nyquist: |T| at 1/(2 pitch).
+        mtf_at_nyquist: |T| at 1/(2 pitch); None where the pattern does not determine it.
         mtf_at_nyquist_std: Its standard uncertainty.
     """
 
     id: str
     method: str
     pitch_um: float
-    first_zero_per_mm: tuple[float | None, float | None]
+    first_zero_per_mm: Pair
     mtf_at_nyquist: Pair
     mtf_at_nyquist_std: Pair

@@ -5,6 +5,7 @@ import pytest
 from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
 
+from calib.errors import NotDeterminedError
 from calib.mtf.estimate import TransferMap
 from calib.mtf.estimation.compact_basis import CompactBasis
 from calib.mtf.estimation.compact_psf import CompactPsf, Harmonic, compact_psf
@@ -107,6 +108,39 @@ def test_signs_are_kept_and_the_centroid_is_at_0(response: Shape) -> None:
     slope = np.array([near[1, 2] - near[1, 0], near[2, 1] - near[0, 1]]) / 2e-4 / (2 * np.pi)
     assert np.abs(slope.imag).max() < 1e-3  # µm
     assert near[1, 1] == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("excess", [0.003, 0.1])
+def test_light_that_is_not_the_pattern_s_is_what_t_of_0_is_off_by(excess: float) -> None:
+    # A dark that was not removed, or light scattered evenly, lowers every harmonic alike.
+    fit, z = exact_fit(CORNER, COARSE, std=NOISE), []
+    exact, rng = harmonics_of(fit), default_rng()
+    for share in (0.0, excess):
+        noise = NOISE * rng.normal(size=(2, len(exact.transfer))) * [[1], [1j]]
+        seen = (1 - share) * exact.transfer + noise.sum(0)
+        dimmed = Harmonic(exact.frequency_per_um, seen, exact.covariance)
+        psf = compact_psf(dimmed, PITCH_UM, COARSE.max_frequency_per_um)[0]
+        found, std = psf.mean_excess
+        assert abs(found - share) < 5 * std
+        z.append(found / std)
+    assert abs(z[0]) < 5 < z[1]
+
+
+def test_a_pattern_of_low_frequencies_alone_is_fitted_as_well() -> None:
+    low = Grating(50, 940.0)  # up to 15/mm: its quarter period is 17 µm, its pixels 25 µm
+    response = square(25.0, 1.0)
+    psf = fitted(response, low, 1e-5, default_rng())
+    found, error = compared(psf, response)
+    known = found.valid & (found.std > 1e-6)
+    assert (np.abs(error) < 5 * found.std)[known].all()
+    assert known.sum() > 700
+
+
+def test_a_pattern_finer_than_any_psf_on_the_support_is_refused() -> None:
+    one = np.array([[0.01, 0.02]])
+    with pytest.raises(NotDeterminedError, match="900/mm") as refused:
+        compact_psf(Harmonic(one, np.ones(1, complex), np.eye(2)), PITCH_UM, 0.9)
+    assert refused.value.code == "pattern-too-fine"
 
 
 def test_more_noise_makes_wider_bars_and_never_a_narrower_one() -> None:

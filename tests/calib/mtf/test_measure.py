@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
+from calib.mtf.answer import answer
 from calib.mtf.findings import stage_outliers, stage_rms_um, warnings
 from calib.mtf.geometry import Alignment
+from calib.mtf.grating.grating import Grating
 from calib.mtf.measure import Measurement, measure
 from calib.mtf.result import TransferResult
 from calib.mtf.scan_images import ScanImages
@@ -96,9 +98,38 @@ def test_missing_positions_and_a_blind_frame_are_done_without_and_told() -> None
     images[9] = rng.normal(5e4, 1e3, images[9].shape)
     found = measure(ScanImages(PAPER, ORDERS_24, images, case.scan.positions))
     told = warnings(found)
-    assert "stage position 003, 020 was not recorded: done without" in told
+    assert "stage positions 003, 020 were not recorded: done without" in told
     assert f"frame {case.scan.positions[9]:03d} does not show the pattern: left out" in told
     assert (np.abs(z_scores(case, found)) < 3).mean() > 0.97
+
+
+def test_a_dark_that_was_not_removed_is_told_and_how_much_it_is() -> None:
+    case = record(default_rng(), response=PIXEL)
+    images = case.scan.images + 500.0  # of a mean of 50,000
+    found = measure(ScanImages.whole(PAPER, ORDERS_24, images))
+    excess, std = found.psf.mean_excess
+    assert abs(excess - 500 / 50_500) < 5 * std
+    (told,) = warnings(found)
+    assert told.startswith(f"the mean light is {100 * excess:+.2g} %")
+
+
+def test_a_line_of_pixels_tells_both_directions_since_it_is_tilted() -> None:
+    rng = default_rng()
+    bench = misaligned(rng)
+    case = record(rng, (1, 512), response=PIXEL, alignment=bench, detector=UNEVEN)
+    found = measure(case.scan)
+    assert (np.abs(z_scores(case, found)) < 3).mean() > 0.97
+    zeros = TransferResult(found).first_zeros
+    for zero in zeros:
+        assert abs(zero.value - 40.0) < 4 * zero.std < 0.4
+    assert np.abs(shift_z(case, found)).max() < 5
+
+
+def test_nyquist_beyond_the_pattern_s_reach_is_unknown() -> None:
+    case = record(default_rng(), (80, 80), response=PIXEL, grating=Grating(50, 940.0))
+    result = TransferResult(measure(case.scan))
+    assert answer(result)["mtf_at_nyquist"] == {"x": None, "y": None, "std": None}
+    assert result.reference().mtf_at_nyquist == (None, None)
 
 
 def test_a_sound_bench_gets_no_warning() -> None:
