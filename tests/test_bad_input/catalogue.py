@@ -13,6 +13,7 @@ from tests.test_bad_input.cases import (
     recording_files,
     recording_folders,
     stores,
+    transfer_functions,
     transfers,
 )
 
@@ -31,6 +32,7 @@ SECTIONS = (
     Section("What does not determine a calibration", calibrations.CASES),
     Section("Coefficient sets and the lines to correct", corrections.CASES),
     Section("What does not determine photon transfer", transfers.CASES),
+    Section("What does not determine a transfer function", transfer_functions.CASES),
     Section("Plans", plans.CASES),
     Section("Models", models.CASES),
     Section("Benches", benches.CASES),

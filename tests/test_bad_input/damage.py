@@ -92,6 +92,19 @@ def frames(change: Callable[[NDArray[np.uint16]], NDArray[np.generic]], *blocks:
     return damage
 
 
+def images(
+    change: Callable[[NDArray[np.floating]], NDArray[np.generic]], *paths: str, of: str = "scan"
+) -> Damage:
+    """Change these images of the folder `scan` (or another); all of them where none is named."""
+
+    def damage(folder: Path) -> None:
+        for path in sorted((folder / of / "frames").iterdir()):
+            if not paths or path.stem in paths:
+                np.save(path, change(np.load(path)))
+
+    return damage
+
+
 def rows(keep: Callable[[dict[str, str]], bool]) -> Damage:
     """Keep only these blocks of the folder `rec`, rows and frames."""
 
