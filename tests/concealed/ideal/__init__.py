@@ -1,0 +1,1 @@
+"""What the best filter could see: it knows what is hidden, and the sensor without it."""
