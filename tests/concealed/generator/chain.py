@@ -62,11 +62,12 @@ class Chain:
 
     def block(self, scan: Scan) -> TakenBlock:
         """Take one block."""
-        electrons, source_radiance = self._electrons(scan)
-        dn = self._volts(electrons, scan)
+        electrons, source_radiance = self.electrons(scan)
+        dn = self.volts(electrons, scan)
         return TakenBlock(scan.block, self._codes(dn, scan), source_radiance)
 
-    def _electrons(self, scan: Scan) -> tuple[Pixels, float]:
+    def electrons(self, scan: Scan) -> tuple[Pixels, float]:
+        """Return the charge that reaches the output, and the source's mean radiance."""
         radiance = np.full((scan.n_samples, 1, 1), scan.block.radiance if scan.lit else 0.0)
         radiance = self._at(Stage.LAMP, radiance, scan)
         source_radiance = float(radiance.mean())
@@ -89,15 +90,16 @@ class Chain:
             return self._at(Stage.COLLECTION, expected, scan)
         return self._rng.poisson(expected)
 
-    def _volts(self, electrons: Pixels, scan: Scan) -> Pixels:
+    def volts(self, electrons: Pixels, scan: Scan) -> Pixels:
+        """Return what the converter sees, its own errors included, DN."""
         volts = self._at(Stage.COUPLING, electrons.astype(np.float64), scan)
         noise = scan.sensor.read_noise_e * self._rng.standard_normal(scan.shape)
         volts = volts + self._at(Stage.NOISE, noise, scan)
         dn = self._at(Stage.VOLTS, scan.sensor.gain_dn_per_e * volts, scan)
-        return self._at(Stage.OFFSET, dn + scan.sensor.offset_dn, scan)
+        dn = self._at(Stage.OFFSET, dn + scan.sensor.offset_dn, scan)
+        return self._at(Stage.CONVERSION, dn, scan)
 
     def _codes(self, dn: Pixels, scan: Scan) -> NDArray[np.integer]:
-        dn = self._at(Stage.CONVERSION, dn, scan)
         if any(one.stage is Stage.QUANTISATION for one in self._mechanisms):
             codes = self._at(Stage.QUANTISATION, dn, scan)
         else:

@@ -109,9 +109,9 @@ def drifting_sign(rng: Generator) -> float:
     return float(rng.choice([-1.0, 1.0]))
 
 
-def thinned(counts: Pixels, share: Pixels | float, rng: Generator) -> NDArray[np.int64]:
+def thinned(counts: Pixels, share: Pixels | float, rng: Generator) -> Pixels:
     """Return how many of `counts` take a chance of `share` each: binomial, never more than all."""
-    return np.asarray(rng.binomial(counts, np.clip(share, 0.0, 1.0)), dtype=np.int64)
+    return np.asarray(rng.binomial(counts, np.clip(share, 0.0, 1.0)))
 
 
 def _plain(value: Any) -> Any:

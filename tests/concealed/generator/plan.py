@@ -94,7 +94,8 @@ def _with_scene(plan: Plan, sensor: Sensor, rng: Generator) -> Plan:
     """Give some line sensors a last block of light with edges, in the place of nothing."""
     if sensor.area or rng.random() > 0.3:
         return plan
-    bars = (np.arange(sensor.columns) // (sensor.columns // int(rng.integers(4, 9)))) % 2
+    width = sensor.columns // int(rng.integers(4, 9))  # shifted: no edge where a register ends
+    bars = ((np.arange(sensor.columns) + width // 3) // width) % 2
     image = np.where(bars == 0, 1.0, round(rng.uniform(0.1, 0.4), 2))
     brightest = max(plan.flats, key=lambda block: block.radiance * block.exposure_us)
     scene = replace(brightest, kind="scene", image=tuple(image.tolist()))

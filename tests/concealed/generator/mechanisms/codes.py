@@ -97,20 +97,23 @@ class StuckBit(Mechanism):
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
-        return 0.3 / sqrt(setting.n_all), 1.0
+        return 0.1 / setting.n_all, 1.0
 
     @classmethod
     def draw(cls, strength: float, shape: str, setting: Setting, rng: Generator) -> "StuckBit":
         return cls(min(1.0, strength), shape, int(rng.integers(0, setting.sensor.bit_depth - 4)))
 
-    def act(self, signal: Pixels, scan: Scan, memory: Memory, rng: Generator) -> Pixels:
+    def changed(self, codes: Pixels) -> Pixels:
+        """Return what becomes of `codes` where the bit sticks."""
         mask = 1 << self.bit
         if self.shape == "copies_next":
-            stuck = (signal & ~mask) | (((signal >> (self.bit + 1)) & 1) << self.bit)
-        elif self.shape == "inverts":
-            stuck = signal ^ mask
-        else:
-            stuck = signal & ~mask if self.shape == "to_zero" else signal | mask
+            return np.asarray((codes & ~mask) | (((codes >> (self.bit + 1)) & 1) << self.bit))
+        if self.shape == "inverts":
+            return np.asarray(codes ^ mask)
+        return np.asarray(codes & ~mask if self.shape == "to_zero" else codes | mask)
+
+    def act(self, signal: Pixels, scan: Scan, memory: Memory, rng: Generator) -> Pixels:
+        stuck = self.changed(signal)
         chance = self.strength * ((scan.sensor.taps == 0) if self.shape == "one_tap" else 1.0)
         return np.where(rng.random(scan.shape) < chance, stuck, signal)
 

@@ -28,7 +28,7 @@ class GainDrift(Mechanism):
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
-        return 2.0 * setting.mean_limit, 30.0 * setting.covariance_limit
+        return 2.0 * setting.mean_limit, 12.0 * setting.covariance_limit
 
     @classmethod
     def draw(cls, strength: float, shape: str, setting: Setting, rng: Generator) -> "GainDrift":

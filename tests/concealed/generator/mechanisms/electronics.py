@@ -142,7 +142,7 @@ class HeavyTailedNoise(Mechanism):
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
         samples = setting.n_dark if setting.has_darks else 0.05 * setting.n_lit
-        return 0.3 / samples**0.75, min(0.05, 1000.0 / samples**0.75)
+        return 0.1 / samples, min(0.05, 500.0 / samples)
 
     @classmethod
     def draw(

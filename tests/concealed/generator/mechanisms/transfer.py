@@ -6,7 +6,6 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
 from tests.concealed.generator.mechanism import Mechanism, Pixels, Stage, thinned
 from tests.concealed.generator.scan import Memory, Scan
@@ -32,7 +31,9 @@ class Lag(Mechanism):
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
-        return 0.3 * setting.covariance_limit, 60.0 * setting.covariance_limit
+        pixels = setting.sensor.rows * setting.sensor.columns
+        steps = 0.25 * setting.top_e * pixels * len(setting.plan.flats)
+        return 0.3 / sqrt(steps), 150.0 / sqrt(steps)
 
     @classmethod
     def draw(cls, strength: float, shape: str, setting: Setting, rng: Generator) -> "Lag":
@@ -40,7 +41,7 @@ class Lag(Mechanism):
 
     def act(self, signal: Pixels, scan: Scan, memory: Memory, rng: Generator) -> Pixels:
         left = memory.get(self.name, np.zeros(scan.sensor.shape, dtype=np.int64))
-        read = np.empty(scan.shape, dtype=np.int64)
+        read = np.empty(scan.shape, dtype=signal.dtype)
         for line, fresh in enumerate(np.broadcast_to(signal, scan.shape)):
             held = fresh + left
             left = self._left(held, rng)
@@ -48,12 +49,14 @@ class Lag(Mechanism):
         memory[self.name] = left
         return read
 
-    def _left(self, held: Pixels, rng: Generator) -> NDArray[np.int64]:
+    def _left(self, held: Pixels, rng: Generator) -> Pixels:
         if self.shape == "incomplete_reset":  # whole electrons, without a bias
-            return np.floor(self.strength * held + rng.random(held.shape)).astype(np.int64)
-        return thinned(held, self.strength * self._relative(held), rng)
+            whole, rest = np.divmod(self.strength * held, 1.0)
+            return whole.astype(held.dtype) + thinned(np.ones_like(held), rest, rng)
+        return thinned(held, self.strength * self.relative(held), rng)
 
-    def _relative(self, held: Pixels) -> Pixels | float:
+    def relative(self, held: Pixels) -> Pixels | float:
+        """Return the chance to stay over `strength`."""
         if self.shape == "small_charge":  # shallow traps that a large charge does not notice
             return np.asarray(2.0 / (1.0 + held / self.half_e))
         if self.shape == "barrier":  # only what lies above a barrier waits
@@ -103,7 +106,7 @@ class Persistence(Mechanism):
         times_s = self._times()
         kept = memory.setdefault(self.name, self._empty(scan, len(times_s), rng))
         pause_s = scan.block.started_s - kept["until_s"]
-        read = np.empty(scan.shape, dtype=np.int64)
+        read = np.empty(scan.shape, dtype=signal.dtype)
         for line, fresh in enumerate(np.broadcast_to(signal, scan.shape)):
             elapsed_s = pause_s if line == 0 else scan.line_period_us * 1e-6
             charge = fresh.copy()
@@ -129,7 +132,7 @@ class Persistence(Mechanism):
     def _empty(self, scan: Scan, n_kinds: int, rng: Generator) -> dict[str, object]:
         size = (n_kinds, *scan.sensor.shape)
         traps = rng.poisson(self.strength / n_kinds, size)
-        return {"traps": traps, "filled": np.zeros(size, np.int64), "until_s": 0.0}
+        return {"traps": traps, "filled": np.zeros_like(traps), "until_s": 0.0}
 
 
 @dataclass(frozen=True)
@@ -152,29 +155,30 @@ class Cti(Mechanism):
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
         limit = setting.covariance_limit / (setting.sensor.columns / 3)
-        return 0.5 * limit, min(60.0 * limit, 0.5 / setting.sensor.columns)
+        return 0.5 * limit, min(150.0 * limit, 0.8 / setting.sensor.columns)
 
     @classmethod
     def draw(cls, strength: float, shape: str, setting: Setting, rng: Generator) -> "Cti":
         return cls(strength, shape, 0.3 * setting.top_e)
 
     def act(self, signal: Pixels, scan: Scan, memory: Memory, rng: Generator) -> Pixels:
-        read = np.array(np.broadcast_to(signal, scan.shape), dtype=np.int64)
+        read = np.array(np.broadcast_to(signal, scan.shape))
         for columns in scan.sensor.registers:
             read[..., columns] = self._through(read[..., columns], rng)
         return read
 
-    def _through(self, packets: NDArray[np.int64], rng: Generator) -> NDArray[np.int64]:
+    def _through(self, packets: Pixels, rng: Generator) -> Pixels:
         """Return packets, the output's neighbour first, after their transfers."""
         n_transfers = np.arange(1, packets.shape[-1] + 1)
         for first in range(0, packets.shape[-1], self.group):
             n_here = np.clip(n_transfers - first, 0, self.group)
-            behind = thinned(packets, -np.expm1(n_here * np.log1p(-self._share(packets))), rng)
+            behind = thinned(packets, -np.expm1(n_here * np.log1p(-self.share(packets))), rng)
             packets = packets - behind
             packets[..., 1:] += behind[..., :-1]
         return packets
 
-    def _share(self, packets: Pixels) -> Pixels:
+    def share(self, packets: Pixels) -> Pixels:
+        """Return what a transfer leaves behind, relative to the charge."""
         charge = np.maximum(packets, 1) / self.reference_e
         power = {"small_charge": -0.4, "constant": 0.0, "surface": 0.5, "fixed_traps": -1.0}
         return np.clip(self.strength * charge ** power[self.shape], 0.0, 0.02)

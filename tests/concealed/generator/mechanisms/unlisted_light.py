@@ -24,7 +24,7 @@ class MovingFringes(Mechanism):
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
-        return 10.0 * setting.mean_limit, 1500.0 * setting.mean_limit
+        return 3.0 * setting.mean_limit, 1500.0 * setting.mean_limit
 
     @classmethod
     def draw(cls, strength: float, shape: str, setting: Setting, rng: Generator) -> "MovingFringes":
@@ -53,7 +53,7 @@ class BreathingShading(Mechanism):
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
-        return 10.0 * setting.mean_limit, 1500.0 * setting.mean_limit
+        return 3.0 * setting.mean_limit, 1500.0 * setting.mean_limit
 
     @classmethod
     def draw(
@@ -83,7 +83,7 @@ class TurningSource(Mechanism):
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
-        return 10.0 * setting.mean_limit, 1500.0 * setting.mean_limit
+        return 3.0 * setting.mean_limit, 1500.0 * setting.mean_limit
 
     @classmethod
     def draw(cls, strength: float, shape: str, setting: Setting, rng: Generator) -> "TurningSource":

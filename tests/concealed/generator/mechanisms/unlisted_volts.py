@@ -112,11 +112,14 @@ class LinkErrors(Mechanism):
     def draw(cls, strength: float, shape: str, setting: Setting, rng: Generator) -> "LinkErrors":
         return cls(strength, shape, int(rng.integers(2, setting.sensor.bit_depth - 3)))
 
+    def changed(self, codes: Pixels) -> Pixels:
+        """Return `codes` with the two bits in each other's place."""
+        differ = ((codes >> self.bit) ^ (codes >> (self.bit + 1))) & 1
+        return np.asarray(codes ^ (differ * (3 << self.bit)))
+
     def act(self, signal: Pixels, scan: Scan, memory: Memory, rng: Generator) -> Pixels:
-        differ = ((signal >> self.bit) ^ (signal >> (self.bit + 1))) & 1
-        swapped = signal ^ (differ * (3 << self.bit))
         chance = self.strength * signal / scan.sensor.top_code
-        return np.where(rng.random(scan.shape) < chance, swapped, signal)
+        return np.where(rng.random(scan.shape) < chance, self.changed(signal), signal)
 
 
 @dataclass(frozen=True)
