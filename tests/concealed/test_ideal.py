@@ -97,7 +97,7 @@ def test_correlations_of_drawn_neighbours_are_what_the_filter_counts_on() -> Non
         pairs += 1
     axes = 2 if setting.sensor.area else 1
     seen = correlation_deviance(case.mechanisms[0], plain) / axes
-    # Each rho² is too large by 1 in units of its own; neighbours' second order takes a few per cent.
+    # Each rho² is too large by 1 in units of its own; second order takes a few per cent.
     assert abs(found - pairs - seen) < 4 * np.sqrt(2 * pairs + 4 * seen) + 0.2 * seen
 
 

@@ -13,6 +13,7 @@ from tests.concealed.generator.sensor import Sensor
 ORDERS = ("in_order", "reversed", "random", "level_major")
 DARKS = ("interleaved", "last", "first", "none")
 TEMPERATURES = ("constant", "warm_up", "steps")
+_FEWEST_SAMPLES = 4
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,8 @@ def draw_plan(sensor: Sensor, rng: Generator, *, most_pixels: int, order: str, d
     repeats = int(rng.choice([1, 1, 2])) if len(levels) * len(exposures) <= 12 else 1
     lit = [(level, t) for level in levels for t in exposures] * repeats
     caps = _dark_exposures(exposures, darks, rng)
-    n_samples = most_pixels // (sensor.rows * sensor.columns * (len(lit) + len(caps)))
+    n_samples = most_pixels // (sensor.rows * sensor.columns * (len(lit) + len(caps) + 1))
+    n_samples = max(_FEWEST_SAMPLES, n_samples)
     temperature = str(rng.choice(TEMPERATURES, p=[0.35, 0.4, 0.25]))
     source = "sphere" if levels == [int(level) for level in levels] else "led"
     stretch = 10.0 ** rng.uniform(2.3, 3.6) / max(exposures)

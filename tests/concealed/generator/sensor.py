@@ -74,8 +74,8 @@ class Sensor:
 
 def draw_sensor(rng: Generator, *, area: bool, layout: str, bit_depth: int) -> Sensor:
     """Return a sensor of the wanted kind, everything else at random."""
-    rows = int(rng.choice([12, 16, 24])) if area else 1
-    columns = int(rng.choice([48, 64, 96])) if area else int(rng.choice([256, 384, 512, 768]))
+    rows = int(rng.choice([8, 12, 16])) if area else 1
+    columns = int(rng.choice([48, 64])) if area else int(rng.choice([256, 384, 512, 768]))
     top = (1 << bit_depth) - 1
     full_well_e = 10.0 ** rng.uniform(4.1, 4.9)
     offset = top * rng.uniform(0.015, 0.05) + max(4.0, 0.004 * top)

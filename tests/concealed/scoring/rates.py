@@ -81,21 +81,29 @@ def ideal_threshold(rate: float = 0.02) -> float:
 
 
 def half_named_sigma(outcomes: Sequence[Outcome]) -> float:
-    """Return the ideal filter's sight at which half are named: a logistic fit to its logarithm.
+    """Return the ideal filter's sight at which half are named.
 
-    NaN where all or none are named: the ladder does not hold it.
+    A logistic curve in the sight's logarithm, that may level off below 1 where names are confused,
+    by maximum likelihood. NaN where all or none are named, or where it stays below a half.
     """
-    sigma = np.array([max(one.truths[0].sigma, 1e-3) for one in outcomes])
+    x = np.log([max(one.truths[0].sigma, 1e-3) for one in outcomes])
     named = np.array([named_first(one) for one in outcomes])
     if len(named) < 4 or named.all() or not named.any():
         return math.nan
-    x = np.log(sigma)
+    starts = [np.array([middle, 1.0, 3.0]) for middle in (0.5, 1.2, 2.0, 3.0)]
+    found = min((minimize(_misfit, start, args=(x, named), method="Nelder-Mead",
+                          options={"maxiter": 2000}) for start in starts),
+                key=lambda result: float(result.fun))  # fmt: skip
+    middle, slope, top = found.x[0], math.exp(found.x[1]), 1.0 / (1.0 + math.exp(-found.x[2]))
+    if top <= 0.5:
+        return math.nan
+    return float(math.exp(middle - math.log(2.0 * top - 1.0) / slope))
 
-    def loss(p: np.ndarray) -> float:  # a weak prior keeps perfectly parted data finite
-        slope = math.exp(p[1])
-        odds = slope * (x - p[0])
-        agrees = np.where(named, -odds, odds)
-        return float(np.logaddexp(0.0, agrees).sum() + 0.05 * (p[1] - 1.0) ** 2)
 
-    found = minimize(loss, np.array([math.log(5.0), 1.0]), method="Nelder-Mead")
-    return float(math.exp(found.x[0]))
+def _misfit(p: np.ndarray, x: np.ndarray, named: np.ndarray) -> float:
+    """Return minus the log likelihood; weak priors keep perfectly parted data finite."""
+    top = 1.0 / (1.0 + np.exp(-p[2]))
+    rate = top / (1.0 + np.exp(-np.clip(math.exp(min(p[1], 5.0)) * (x - p[0]), -50, 50)))
+    rate = np.clip(np.where(named, rate, 1.0 - rate), 1e-12, 1.0)
+    prior = 0.05 * (p[1] - 1.0) ** 2 + 0.02 * (p[2] - 3.0) ** 2
+    return float(-np.log(rate).sum() + prior)
