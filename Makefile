@@ -10,7 +10,10 @@ BENCH ?=
 # Writing a compiled loop once per machine, not once per process.
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba-cache
 
-.PHONY: setup demo test check bench soak serve lock format clean
+# How much of the proof, e.g. make proof PROOF="--size full --out proof-full"
+PROOF ?= --size part
+
+.PHONY: setup demo test check bench soak proof serve lock format clean
 
 setup: $(VENV)/ready
 
@@ -47,6 +50,10 @@ $(PEERS)/ready: benchmarks/peers.lock
 soak: setup
 	$(BIN)/pytest -m soak --timeout 7200
 
+# Recordings whose secret the diagnosis does not know: how well it finds it. Resumed where it ended.
+proof: setup
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.concealed $(PROOF)
+
 serve: setup
 	$(BIN)/darkflat serve
 
@@ -76,4 +83,4 @@ lock:
 	rm -rf .lock-venv
 
 clean:
-	rm -rf $(VENV) $(PEERS) .numba-cache demo
+	rm -rf $(VENV) $(PEERS) .numba-cache demo proof

@@ -7,9 +7,10 @@ from pathlib import Path
 
 from tests.concealed.generator.suite import SIZES, suite
 from tests.concealed.scoring.figures import draw_all
-from tests.concealed.scoring.outcome import outcomes, sigma_of
+from tests.concealed.scoring.outcome import outcomes
 from tests.concealed.scoring.run import run
 from tests.concealed.scoring.summary import as_markdown, claims
+from tests.concealed.scoring.visibility import visible_in
 
 
 def main() -> int:
@@ -17,8 +18,8 @@ def main() -> int:
     arguments = _arguments()
     cases = suite(arguments.origin, SIZES[arguments.size])[: arguments.first or None]
     run(cases, arguments.diagnose, arguments.out, workers=arguments.workers)
-    sigma = sigma_of(cases, arguments.out)
-    every = list(outcomes(arguments.out, sigma))
+    visible = visible_in(cases, arguments.out, workers=arguments.workers)
+    every = list(outcomes(arguments.out, visible))
     table = as_markdown(every)
     (arguments.out / "table.md").write_text(table, encoding="utf-8")
     draw_all(every, arguments.out / "figures")

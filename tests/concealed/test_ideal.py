@@ -8,6 +8,7 @@ import pytest
 from tests.concealed.generator.case import Case, Hidden
 from tests.concealed.generator.chain import take
 from tests.concealed.generator.mechanisms.electronics import LineNoise
+from tests.concealed.ideal.angles import nearest_name, signature
 from tests.concealed.ideal.correlations import correlation_deviance
 from tests.concealed.ideal.expected import expected
 from tests.concealed.ideal.means import mean_deviance
@@ -95,8 +96,8 @@ def test_correlations_of_drawn_neighbours_are_what_the_filter_counts_on() -> Non
         rho = (rest[..., 1:] * rest[..., :-1]).mean() * len(rest) / (len(rest) - 1)
         found += rest[..., 1:].size * rho**2
         pairs += 1
-    axes = 2 if setting.sensor.area else 1
-    seen = correlation_deviance(case.mechanisms[0], plain) / axes
+    assert not setting.sensor.area
+    seen = correlation_deviance(case.mechanisms[0], plain)
     # Each rho² is too large by 1 in units of its own; second order takes a few per cent.
     assert abs(found - pairs - seen) < 4 * np.sqrt(2 * pairs + 4 * seen) + 0.2 * seen
 
@@ -115,3 +116,24 @@ def test_every_effect_is_hidden_at_the_lowest_rung_and_clear_at_the_highest() ->
             highs.append(sight(case)[0])
         assert np.median(highs) > 12, name
         assert np.median(lows) < 4, name
+
+
+def test_lamp_and_gain_drift_are_near_each_other_and_jitter_is_near_nothing() -> None:
+    for name, other in (("lamp_drift", "gain_drift"), ("gain_drift", "lamp_drift")):
+        case = case_of(name, "linear", 0.7, 26, 200_000)
+        seen = sight(case)
+        ((apart, nearest),) = nearest_name(case, seen)
+        assert nearest == other
+        assert apart < 0.3 * seen[0]
+    case = case_of("exposure_jitter", "gaussian", 0.7, 26, 200_000)
+    assert nearest_name(case, sight(case)) == [(np.inf, "")]
+
+
+def test_an_effect_is_no_distance_from_itself() -> None:
+    case = case_of("amplifier_glow", "exponential", 0.7, 27, 200_000)
+    plain = list(expected(case.setting, ()))
+    one = case.mechanisms[0]
+    mine = signature(one, plain, case.setting)
+    twice = signature(replace(one, strength=2 * one.strength), plain, case.setting)
+    cosine = mine @ twice / np.sqrt((mine @ mine) * (twice @ twice))
+    assert cosine == pytest.approx(1.0, abs=1e-4)

@@ -12,8 +12,9 @@ from tests.concealed.generator.catalogue import ALL
 from tests.concealed.generator.folder import write_folder
 from tests.concealed.generator.suite import PART, suite
 from tests.concealed.scoring.figures import draw_all
-from tests.concealed.scoring.outcome import outcomes, sigma_of
+from tests.concealed.scoring.outcome import outcomes
 from tests.concealed.scoring.run import finished, run
+from tests.concealed.scoring.visibility import visible_in
 
 CONSISTENT = "tests.concealed.scripted:consistent"
 CASES = (
@@ -51,7 +52,7 @@ def test_a_run_that_is_cut_off_goes_on_and_its_answers_open(tmp_path: Path) -> N
     (tmp_path / "diagnoses.jsonl").write_text("\n".join([lines[0], lines[1][:20]]))
     assert len(finished(tmp_path)) == 1
     run(CASES, CONSISTENT, tmp_path)
-    every = list(outcomes(tmp_path, sigma_of(CASES, tmp_path)))
+    every = list(outcomes(tmp_path, visible_in(CASES, tmp_path)))
     assert [one.number for one in every] == [0, 1, 2]
     assert [len(one.truths) for one in every] == [0, 1, 2]
     assert every[1].truths[0].sigma > 7
@@ -93,7 +94,7 @@ def test_what_is_written_before_the_end_tells_nothing(tmp_path: Path) -> None:
 def test_the_part_of_the_suite_that_ci_runs_goes_through(tmp_path: Path) -> None:
     cases = suite("soak", PART)
     run(cases, CONSISTENT, tmp_path, workers=2)
-    every = list(outcomes(tmp_path, sigma_of(cases, tmp_path)))
+    every = list(outcomes(tmp_path, visible_in(cases, tmp_path, workers=2)))
     assert len(every) == len(cases)
     draw_all(every, tmp_path / "figures")
     assert len(list((tmp_path / "figures").glob("*.png"))) == 6

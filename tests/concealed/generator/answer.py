@@ -70,6 +70,11 @@ def _told(case: Case, mechanisms: Sequence[Mechanism], tests: dict[str, Any]) ->
             "full_well_e": sensor.full_well_e,
             "electrons_per_radiance_us": sensor.electrons_per_radiance_us,
         },
+        "scale": {
+            "duration_s": plan.duration_s,
+            "line_period_us": plan.line_period_us,
+            "top_signal_dn": case.setting.top_e * sensor.gain_dn_per_e,
+        },
         "plan": {"order": plan.order, "darks": plan.darks, "temperature": plan.temperature},
         "test": tests,
     }

@@ -11,62 +11,93 @@ import numpy as np
 from tests.concealed.generator.mechanism import Mechanism
 from tests.concealed.generator.mechanisms.transfer import Cti, Lag
 from tests.concealed.ideal.expected import Expected
+from tests.concealed.ideal.quiet import Floats
+
+Correlations = dict[str, Floats]
+"""By kind of neighbour ("next column", "next sample", …): of each column, (n_columns,)."""
 
 
 def correlation_deviance(one: Mechanism, plain: Sequence[Expected]) -> float:
     """Return it of the effects that correlate pixels, 0 of all others."""
+    return float(sum((each**2).sum() for each in correlation_signature(one, plain).values()))
+
+
+def correlation_signature(one: Mechanism, plain: Sequence[Expected]) -> Correlations:
+    """Return correlations over their standard errors, by kind, (n_blocks, n_columns)."""
     of = _BY_NAME.get(one.name)
-    return sum(of(one, block) for block in plain) if of else 0.0
+    if of is None:
+        return {}
+    rows = [
+        {kind: np.sqrt(_n(block)) * rho for kind, rho in of(one, block).items()} for block in plain
+    ]
+    return {kind: np.stack([row[kind] for row in rows]) for kind in rows[0]}
 
 
-def _shot(block: Expected) -> float:
-    """Share of shot noise in the variance."""
+def _n(block: Expected) -> int:
+    """Pairs of pixels of one column."""
+    return block.scan.n_samples * block.scan.sensor.rows
+
+
+def _shot(block: Expected) -> Floats:
+    """Share of shot noise in each column's variance."""
     variance = block.gain**2 * block.electrons
-    return float((variance / block.variance).mean())
+    return np.asarray((variance / block.variance).mean(axis=(0, 1)))
 
 
-def _directions(block: Expected) -> int:
-    return 2 if block.scan.sensor.area else 1
+def _charge(block: Expected) -> Floats:
+    return np.asarray(np.maximum(block.electrons.mean(axis=(0, 1)), 1.0))
 
 
-def _capacitance(one: Mechanism, block: Expected) -> float:
-    rho, n = 2 * one.strength * _shot(block), block.dn.size * _directions(block)
-    share = {"nearest": 1.0, "second_neighbours": 1.25, "columns_only_half": 0.5}[one.shape]
-    return n * share * rho**2
+def _capacitance(one: Mechanism, block: Expected) -> Correlations:
+    rho = 2 * one.strength * _shot(block)
+    if one.shape == "columns_only_half":
+        return {"next column": rho * (np.arange(rho.size) % 2)}
+    nearest = {"next column": rho, **({"next row": rho} if block.scan.sensor.area else {})}
+    if one.shape == "second_neighbours":
+        nearest["next but one column"] = 0.5 * rho
+    return nearest
 
 
-def _crosstalk(one: Mechanism, block: Expected) -> float:
-    share = {"mutual": 4 * 0.5, "one_way": 0.5, "previous_pixel": 1.0}[one.shape]
-    return float(block.dn.size * share * one.strength**2)
+def _crosstalk(one: Mechanism, block: Expected) -> Correlations:
+    sensor = block.scan.sensor
+    own = np.arange(sensor.columns)
+    pair = (own < sensor.partner).astype(float)  # each pair once
+    kind = "next column" if sensor.layout == "odd_even" else "partner"
+    if one.shape == "previous_pixel":
+        return {"partner of the column before": np.full(own.size, one.strength)}
+    return {kind: pair * one.strength * (2.0 if one.shape == "mutual" else 1.0)}
 
 
-def _brighter_fatter(one: Mechanism, block: Expected) -> float:
-    rho = one.strength * float(block.electrons.mean()) * _shot(block)
-    share = {"plain": 1.0, "far_reaching": 1.25, "one_sided": 1.0}[one.shape]
-    return block.dn.size * _directions(block) * share * rho**2
+def _brighter_fatter(one: Mechanism, block: Expected) -> Correlations:
+    rho = one.strength * _charge(block) * _shot(block)
+    found = {"next column": rho, **({"next row": rho} if block.scan.sensor.area else {})}
+    if one.shape == "far_reaching":
+        found["next but one column"] = 0.5 * rho
+    return found
 
 
-def _lag(one: Mechanism, block: Expected) -> float:
+def _lag(one: Mechanism, block: Expected) -> Correlations:
     assert isinstance(one, Lag)
     if one.shape == "incomplete_reset":
-        return float(block.dn.size * (one.strength * _shot(block)) ** 2)
-    charge = np.array([max(float(block.electrons.mean()), 1.0)])
-    excess = _beyond_thinning(lambda q: q * one.strength * np.asarray(one.relative(q)), charge)
-    return float(block.dn.size * (excess[0] * _shot(block)) ** 2)
+        return {"next sample": one.strength * _shot(block)}
+    excess = _beyond_thinning(
+        lambda q: q * one.strength * np.asarray(one.relative(q)), _charge(block)
+    )
+    return {"next sample": excess * _shot(block)}
 
 
-def _cti(one: Mechanism, block: Expected) -> float:
+def _cti(one: Mechanism, block: Expected) -> Correlations:
     assert isinstance(one, Cti)
-    charge = np.maximum(block.electrons.mean(axis=(0, 1)), 1.0)
-    excess = _beyond_thinning(lambda q: q * one.share(q), charge)
-    n_transfers = np.zeros(charge.size)
+    excess = _beyond_thinning(lambda q: q * one.share(q), _charge(block))
+    n_transfers = np.zeros(block.scan.sensor.columns)
     for columns in block.scan.sensor.registers:
         n_transfers[columns] = np.arange(1, len(columns) + 1)
     rho = np.clip(excess * n_transfers * _shot(block), -0.5, 0.5)
-    return float(block.dn[:, :, 0].size * (rho**2).sum())
+    kind = "next column" if block.scan.sensor.layout != "odd_even" else "next but one column"
+    return {kind: rho}
 
 
-def _beyond_thinning(lost: Callable[[np.ndarray], np.ndarray], charge: np.ndarray) -> np.ndarray:
+def _beyond_thinning(lost: Callable[[Floats], Floats], charge: Floats) -> Floats:
     """Return the covariance of loss and rest over the charge: lost'(q) − lost(q)/q.
 
     Electrons that go by a chance of their own leave Poisson counts independent.
@@ -76,7 +107,7 @@ def _beyond_thinning(lost: Callable[[np.ndarray], np.ndarray], charge: np.ndarra
     return np.asarray(slope - lost(charge) / charge)
 
 
-_BY_NAME: dict[str, Callable[[Mechanism, Expected], float]] = {
+_BY_NAME: dict[str, Callable[[Mechanism, Expected], Correlations]] = {
     "interpixel_capacitance": _capacitance,
     "tap_crosstalk": _crosstalk,
     "brighter_fatter": _brighter_fatter,

@@ -14,25 +14,46 @@ def mean_deviance(plain: Sequence[Expected], hidden: Sequence[Expected]) -> floa
     Weighted least squares, pixel by pixel: sum of w d² less what a + b s takes of it, s the
     plain signal, w = 1/variance.
     """
-    shape = plain[0].scan.sensor.shape
-    normal, right, total = np.zeros((*shape, 2, 2)), np.zeros((*shape, 2)), np.zeros(shape)
+    blocks = mean_signature(plain, hidden)
+    between = float(sum((block**2).sum() for block in blocks))
+    within = 0.0
     for clean, with_it in zip(plain, hidden, strict=True):
-        weight = 1.0 / clean.variance[0]
-        design = np.stack([np.ones(shape), clean.signal[0]], axis=-1)
-        n = clean.scan.n_samples
         shift = with_it.dn - clean.dn
-        normal += n * weight[..., None, None] * design[..., :, None] * design[..., None, :]
-        right += (weight * shift.sum(axis=0))[..., None] * design
-        total += weight * (shift**2).sum(axis=0)
-    scale = np.sqrt(np.einsum("...ii->...i", normal)) + 1e-300
-    scaled = normal / scale[..., :, None] / scale[..., None, :]
-    taken = np.linalg.pinv(scaled, rcond=1e-9, hermitian=True) @ (right / scale)[..., None]
-    absorbed = np.einsum("...i,...i->...", right / scale, taken[..., 0])
-    return float(np.clip(total - absorbed, 0.0, None).sum())
+        within += float(((shift - shift.mean(axis=0)) ** 2 / clean.variance[0]).sum())
+    return between + within
+
+
+def mean_signature(plain: Sequence[Expected], hidden: Sequence[Expected]) -> Floats:
+    """Return shifts of block means over their standard errors, what is absorbed taken away.
+
+    (n_blocks, n_rows, n_columns).
+    """
+    weight = np.stack([np.sqrt(b.scan.n_samples / b.variance[0]) for b in plain])
+    shift = np.stack(
+        [h.dn.mean(axis=0) - p.dn.mean(axis=0) for p, h in zip(plain, hidden, strict=True)]
+    )
+    signal = np.stack([b.signal.mean(axis=0) for b in plain])
+    columns: list[Floats] = []
+    for each in (np.ones_like(signal), signal):  # Gram-Schmidt, pixel by pixel
+        column = weight * each
+        for before in columns:
+            column = column - before * (before * column).sum(axis=0)
+        length = np.sqrt((column**2).sum(axis=0))
+        enough = length > 1e-6 * np.sqrt(((weight * each) ** 2).sum(axis=0))
+        columns.append(np.where(enough, column / np.maximum(length, 1e-300), 0.0))
+    rest = weight * shift
+    for column in columns:
+        rest = rest - column * (column * rest).sum(axis=0)
+    return np.asarray(rest)
 
 
 def variance_deviance(plain: Sequence[Expected], excess: Sequence[Floats]) -> float:
-    """Return the deviance of `excess` variance, DN²: system gain and read noise are free.
+    """Return the deviance of `excess` variance, DN²: system gain and read noise are free."""
+    return float((variance_signature(plain, excess) ** 2).sum())
+
+
+def variance_signature(plain: Sequence[Expected], excess: Sequence[Floats]) -> Floats:
+    """Return excess variances over their standard errors, what is absorbed taken away.
 
     Args:
         plain: The blocks without what is hidden.
@@ -41,13 +62,12 @@ def variance_deviance(plain: Sequence[Expected], excess: Sequence[Floats]) -> fl
     rows = []
     for clean, more in zip(plain, excess, strict=True):
         variance, every = clean.variance[0], np.broadcast_to(more, clean.dn.shape).mean(axis=0)
-        weight = 0.5 * (clean.scan.n_samples - 1) / variance**2
-        rows.append((weight, clean.signal[0], every))
-    weight, signal, every = (np.stack(each).ravel() for each in zip(*rows, strict=True))
-    design = np.stack([np.ones_like(signal), signal / signal.max()], axis=1)
-    root = np.sqrt(weight)
-    taken, *_ = np.linalg.lstsq(design * root[:, None], every * root, rcond=None)
-    return float(((root * (every - design @ taken)) ** 2).sum())
+        root = np.sqrt(0.5 * (clean.scan.n_samples - 1)) / variance
+        rows.append((root, clean.signal[0], every))
+    root, signal, every = (np.stack(each).ravel() for each in zip(*rows, strict=True))
+    design = np.stack([np.ones_like(signal), signal / signal.max()], axis=1) * root[:, None]
+    taken, *_ = np.linalg.lstsq(design, every * root, rcond=None)
+    return np.asarray(root * every - design @ taken)
 
 
 def excess_of(plain: Sequence[Expected], hidden: Sequence[Expected]) -> list[Floats]:

@@ -18,8 +18,8 @@ from tests.concealed.ideal.expected import expected
 from tests.concealed.ideal.means import excess_of, mean_deviance, variance_deviance
 from tests.concealed.ideal.scatter import scatter_deviance
 
-_NO_SHIFT = {"cosmic_rays", "brighter_fatter", "rts_pixels", "heavy_tailed_noise"}
-_LINEAR_COUPLING = {"interpixel_capacitance", "tap_crosstalk"}
+NO_SHIFT = {"cosmic_rays", "brighter_fatter", "rts_pixels", "heavy_tailed_noise"}
+LINEAR_COUPLING = {"interpixel_capacitance", "tap_crosstalk"}
 _NATS_PER_PIXEL = 1.5
 """Of a line that equals the one before, about ln(2 sigma sqrt(pi)) with a sigma of 1 to 2 DN."""
 
@@ -38,9 +38,9 @@ def sight_of(one: Mechanism, setting: Setting) -> float:
     plain = list(expected(setting, ()))
     deviance = correlation_deviance(one, plain) + scatter_deviance(one, plain)
     deviance += distribution_deviance(one, plain)
-    if one.stage < Stage.QUANTISATION and one.name not in _NO_SHIFT:
+    if one.stage < Stage.QUANTISATION and one.name not in NO_SHIFT:
         hidden = list(expected(setting, (one,)))
         deviance += mean_deviance(plain, hidden)
-        if one.name not in _LINEAR_COUPLING:
+        if one.name not in LINEAR_COUPLING:
             deviance += variance_deviance(plain, excess_of(plain, hidden))
     return sqrt(deviance)

@@ -9,7 +9,8 @@ from typing import Any
 
 def diagnose(recording: Path) -> dict[str, Any]:
     """Return what `darkflat diagnose --json -` says of `recording`."""
-    command = [sys.executable, "-m", "service.cli", "diagnose", str(recording), "--json", "-"]
+    start = [sys.executable, "-c", "from service.cli import main; main()"]
+    command = [*start, "diagnose", str(recording), "--json", "-"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise RuntimeError(done.stderr.strip().splitlines()[-1] if done.stderr else "it failed")

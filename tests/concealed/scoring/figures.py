@@ -24,6 +24,7 @@ from tests.concealed.scoring.rates import (
     ideal_rate,
     named_first,
     of_kind,
+    told_apart,
 )
 from tests.concealed.scoring.reliability import (
     expected_calibration_error,
@@ -33,6 +34,7 @@ from tests.concealed.scoring.reliability import (
 from tests.concealed.scoring.summary import held_out_gains
 
 _SIGMA = np.geomspace(0.4, 250.0, 200)
+_FEW_BINS = (0.0, 2.0, 4.0, 7.0, 14.0, 40.0, np.inf)
 
 
 def draw_all(every: Sequence[Outcome], folder: Path) -> None:
@@ -78,7 +80,7 @@ def naming_each(every: Sequence[Outcome]) -> Figure:
     for axes, name in zip(panels, LISTED, strict=False):
         mine = [one for one in single if one.truths[0].name == name]
         _ideal(axes, "ideal filter")
-        _shares(axes, by_sigma(mine), BLUE, "named first")
+        _shares(axes, by_sigma(mine, bins=_FEW_BINS), BLUE, "named first")
         _sigma_axis(axes, label="")
         axes.set_title(name, fontsize=8.0)
     for axes in panels[len(LISTED) :]:
@@ -141,7 +143,7 @@ def reliability(every: Sequence[Outcome]) -> Figure:
     above.plot([0, 1], [0, 1], color=GREY, lw=0.8)
     _shares(above, [(one.stated, one.right) for one in curve], BLUE, "95 % interval")
     error = expected_calibration_error(curve)
-    above.set(title=f"Are probabilities kept? Expected calibration error {error:.3f}",
+    above.set(title=f"Probabilities (calibration error {error:.3f})",
               ylabel="share that was right", xlim=(0, 1), ylim=(-0.03, 1.03))  # fmt: skip
     below.hist(
         [probability for probability, _ in stated], bins=np.linspace(0, 1, 11).tolist(), color=BLUE
@@ -157,11 +159,12 @@ def rates(every: Sequence[Outcome]) -> Figure:
         ("clean: false alarms", Share.of(map(false_alarm, of_kind(every, "clean"))), 0.05),
         ("unlisted: wrong name", Share.of(bool(one.findings) for one in unlisted), 0.05),
         ("unlisted: unexplained", Share.of(one.unexplained for one in unlisted), 0.85),
-        ("one: named first", Share.of(map(named_first, clearly(of_kind(every, "single")))), 0.95),
-        ("unknown shape: named", Share.of(map(named_first, clearly(of_kind(every, "foreign")))),
+        ("one: named first", Share.of(map(named_first, told_apart(of_kind(every, "single")))),
+         0.95),
+        ("unknown shape: named", Share.of(map(named_first, told_apart(of_kind(every, "foreign")))),
          0.85),
-        ("two: both named", Share.of(map(complete, clearly(of_kind(every, "double")))), 0.90),
-        ("three: all named", Share.of(map(complete, clearly(of_kind(every, "triple")))), 0.75),
+        ("two: both named", Share.of(map(complete, told_apart(of_kind(every, "double")))), 0.90),
+        ("three: all named", Share.of(map(complete, told_apart(of_kind(every, "triple")))), 0.75),
     )  # fmt: skip
     figure = new_figure(7.2, 3.4)
     axes = figure.subplots()

@@ -1,29 +1,34 @@
 """A finished case: what was hidden beside what was said."""
 
 import json
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from tests.concealed.generator.answer import Answer
-from tests.concealed.generator.case import Case
 from tests.concealed.generator.seal import opened
 from tests.concealed.scoring.run import finished
-
-Sigma = dict[int, tuple[float, ...]]
-"""By case: what the ideal filter sees of each hidden effect."""
+from tests.concealed.scoring.visibility import NOT_KNOWN, Visibility, Visible
 
 
 @dataclass(frozen=True)
 class Truth:
-    """One hidden effect; `sigma` is what a filter that knows it would see, standard deviations."""
+    """One hidden effect.
+
+    Attributes:
+        sigma: What a filter that knows it would see, standard deviations.
+        apart: How far the nearest other name is, standard deviations; `nearest` says which.
+    """
 
     name: str
     listed: bool
     known_shape: bool
     rung: float
     sigma: float
+    apart: float = math.inf
+    nearest: str = ""
 
 
 @dataclass(frozen=True)
@@ -70,7 +75,7 @@ class Outcome:
         return frozenset(truth.name for truth in self.truths)
 
 
-def outcomes(out: Path, sigma: Sigma) -> Iterator[Outcome]:
+def outcomes(out: Path, visible: Visible) -> Iterator[Outcome]:
     """Open the answers of a run and yield its finished cases.
 
     ValueError where an answer is not the one that was committed to before the diagnosis.
@@ -81,17 +86,16 @@ def outcomes(out: Path, sigma: Sigma) -> Iterator[Outcome]:
         content = (out / "answers" / f"{number:05d}.sealed").read_bytes()
         if content[:32].hex() not in committed[number] or content[:32].hex() != line["sha256"]:
             raise ValueError(f"case {number}: its answer is not the one that was committed to")
-        yield outcome(line, opened(content, key), sigma.get(number, ()))
+        yield outcome(line, opened(content, key), visible.get(number, ()))
 
 
-def outcome(line: dict[str, Any], answer: Answer, sigma: Sequence[float]) -> Outcome:
+def outcome(line: dict[str, Any], answer: Answer, visible: tuple[Visibility, ...]) -> Outcome:
     """Return one case's outcome from its line and its opened answer."""
     said = line.get("said", {})
     effects = answer.told["effects"]
-    seen = list(sigma) or [float("nan")] * len(effects)
     truths = tuple(
-        Truth(one["name"], one["listed"], one["known_shape"], one["rung"], z)
-        for one, z in zip(effects, seen, strict=True)
+        Truth(one["name"], one["listed"], one["known_shape"], one["rung"], *seen)
+        for one, seen in zip(effects, visible or [NOT_KNOWN] * len(effects), strict=True)
     )
     return Outcome(
         answer.told["number"],
@@ -106,20 +110,6 @@ def outcome(line: dict[str, Any], answer: Answer, sigma: Sequence[float]) -> Out
         tuple(one.get("parameters", {}) for one in said.get("findings", ())),
         answer,
     )
-
-
-def sigma_of(cases: Sequence[Case], out: Path) -> Sigma:
-    """Return what the ideal filter sees in each finished case; kept in `sigma.json`."""
-    from tests.concealed.ideal.sight import sight
-
-    path = out / "sigma.json"
-    known = json.loads(path.read_text("utf-8")) if path.exists() else {}
-    done = finished(out)
-    for case in cases:
-        if case.number in done and str(case.number) not in known:
-            known[str(case.number)] = sight(case)
-    path.write_text(json.dumps(known), "utf-8")
-    return {int(number): tuple(each) for number, each in known.items()}
 
 
 def _committed(out: Path) -> dict[int, set[str]]:

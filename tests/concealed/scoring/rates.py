@@ -13,6 +13,8 @@ from tests.concealed.scoring.outcome import Outcome
 
 CLEARLY_SEEN = 7.0
 """Standard deviations of the ideal filter from which on a name is asked for."""
+APART = 5.0
+"""Standard deviations from the nearest other name from which on the right one is asked for."""
 REMAINDER = 25.0
 """The same for physics that has none."""
 SIGMA_BINS = (0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 25.0, 50.0, 100.0, math.inf)
@@ -28,6 +30,11 @@ def of_kind(outcomes: Iterable[Outcome], *kinds: str) -> list[Outcome]:
 def clearly(outcomes: Iterable[Outcome], at_least: float = CLEARLY_SEEN) -> list[Outcome]:
     """Return the cases of which the ideal filter sees every hidden effect clearly."""
     return [one for one in outcomes if one.truths and all(t.sigma >= at_least for t in one.truths)]
+
+
+def told_apart(outcomes: Iterable[Outcome]) -> list[Outcome]:
+    """Return those clearly seen in which no other name could make the same signature."""
+    return [one for one in clearly(outcomes) if all(t.apart > APART for t in one.truths)]
 
 
 def named_first(one: Outcome) -> bool:
@@ -59,11 +66,13 @@ def false_alarm(one: Outcome) -> bool:
 
 
 def by_sigma(
-    outcomes: Sequence[Outcome], test: Callable[[Outcome], bool] = named_first
+    outcomes: Sequence[Outcome],
+    test: Callable[[Outcome], bool] = named_first,
+    bins: Sequence[float] = SIGMA_BINS,
 ) -> list[tuple[float, Share]]:
     """Return, per bin of the ideal filter's sight, its geometric middle and the share."""
     rows = []
-    for low, high in pairwise(SIGMA_BINS):
+    for low, high in pairwise(bins):
         inside = [one for one in outcomes if low <= one.truths[0].sigma < high]
         middle = math.sqrt(max(low, 0.5) * min(high, 200.0))
         rows.append((middle, Share.of(test(one) for one in inside)))

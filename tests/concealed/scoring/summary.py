@@ -18,6 +18,7 @@ from tests.concealed.scoring.rates import (
     ideal_threshold,
     named_first,
     of_kind,
+    told_apart,
     wrongly_named,
 )
 from tests.concealed.scoring.reliability import (
@@ -39,15 +40,21 @@ class Claim:
 
 def claims(every: Sequence[Outcome]) -> list[Claim]:
     """Return the claims in the order in which they are asked for."""
-    single, foreign = (clearly(of_kind(every, kind)) for kind in ("single", "foreign"))
+    single, foreign, two, three = (
+        told_apart(of_kind(every, kind)) for kind in ("single", "foreign", "double", "triple")
+    )
     unlisted = clearly(of_kind(every, "unlisted"), REMAINDER)
     clean = of_kind(every, "clean")
     return [
-        _rate("named first, where clearly seen", map(named_first, single), 0.95),
-        _rate("candidates hold it, 3 or fewer", map(covered, single), 0.99),
+        _rate("named first, where clearly seen and told apart", map(named_first, single), 0.95),
+        _rate(
+            "candidates hold it, 3 or fewer, where clearly seen",
+            map(covered, clearly(of_kind(every, "single"))),
+            0.99,
+        ),
         _rate("unknown shapes named first", map(named_first, foreign), 0.85),
-        _rate("both of two named", map(complete, clearly(of_kind(every, "double"))), 0.90),
-        _rate("all of three named", map(complete, clearly(of_kind(every, "triple"))), 0.75),
+        _rate("both of two named", map(complete, two), 0.90),
+        _rate("all of three named", map(complete, three), 0.75),
         _rate("false alarms on clean recordings", map(false_alarm, clean), -0.05),
         _rate("unlisted called unexplained", (one.unexplained for one in unlisted), 0.85),
         _rate("unlisted given a wrong name", (bool(one.findings) for one in unlisted), -0.05),
@@ -119,9 +126,9 @@ def _row(name: str, mine: Sequence[Outcome]) -> EffectRow:
     single, foreign = of_kind(mine, "single"), of_kind(mine, "foreign")
     return EffectRow(
         name,
-        Share.of(map(named_first, clearly(single))),
+        Share.of(map(named_first, told_apart(single))),
         Share.of(map(covered, clearly(single))),
-        Share.of(map(named_first, clearly(foreign))),
+        Share.of(map(named_first, told_apart(foreign))),
         half_named_sigma(single) if single else float("nan"),
         Share.of(name in one.not_testable for one in mine),
     )
@@ -132,7 +139,7 @@ def _only(one: Outcome, name: str) -> bool:
 
 
 _EFFECT_HEAD = (
-    "| effect | named first, seen at 7 σ | candidates hold it | unknown shapes "
+    "| effect | named first, seen at 7 σ, 5 σ apart | candidates hold it | unknown shapes "
     "| half named at, σ | by the ideal filter's |"
 )
 
