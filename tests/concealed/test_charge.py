@@ -40,20 +40,40 @@ def test_a_shift_within_the_sensor_loses_nothing() -> None:
         assert reflected_shift(counts, axis, way).sum() == counts.sum()
 
 
+def predicted_covariance(a: float, n_steps: int, columns: int = 64) -> np.ndarray:
+    """Return the covariance that the rule of one step makes: exact, since it is linear.
+
+    Of Poisson arrivals that part each part is Poisson, so that after a step of mean m
+    C' = (1 + m s B) C (1 + m s B)^T + m, B the second difference with borders that reflect.
+    """
+    second = -2 * np.eye(columns) + np.eye(columns, k=1) + np.eye(columns, k=-1)
+    second[0, 0] = second[-1, -1] = -1
+    mean, chance = LIGHT_E / n_steps, a * n_steps / (n_steps - 1)
+    step, found = np.eye(columns) + mean * chance * second, np.zeros((columns, columns))
+    for _ in range(n_steps):
+        found = step @ found @ step.T + mean * np.eye(columns)
+    return found
+
+
+@pytest.mark.parametrize("n_steps", [12, 40])
+def test_the_steps_make_the_covariance_of_continuous_repulsion(n_steps: int) -> None:
+    """dC/dmu = 1 + a (B C + C B): to first order C01 = a mu^2 and V = mu - 2 a mu^2."""
+    a, middle = 1e-8, 32
+    found = predicted_covariance(a, n_steps)
+    assert found[middle, middle + 1] == pytest.approx(a * LIGHT_E**2, rel=1e-3)
+    assert LIGHT_E - found[middle, middle] == pytest.approx(2 * a * LIGHT_E**2, rel=1e-3)
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_brighter_fatter_moves_variance_into_covariance(seed: int) -> None:
-    """dC/dmu = identity + a times the borders' differences: C01 = a mu^2, V = mu - 2 a mu^2."""
-    a, sensor = 1e-6, level_sensor()
-    scan = scan_of(sensor, N)
-    counts = drawn(BrighterFatter, a, "plain", sensor).act(
-        np.full(scan.shape, LIGHT_E), scan, {}, np.random.default_rng(seed)
-    )
-    inner = counts[..., 1:-1]
-    found, error = covariance(inner[..., 1:], inner[..., :-1])
-    second_order = 6 * a**2 * LIGHT_E**3
-    assert abs(found - a * LIGHT_E**2) < 4 * error + second_order
-    variance, error = covariance(inner, inner)
-    assert abs(variance - LIGHT_E + 2 * a * LIGHT_E**2) < 4 * error + 2 * second_order
+    a, sensor, middle = 2e-5, level_sensor(), 32
+    scan, one = scan_of(sensor, N), BrighterFatter(2e-5, "plain")
+    counts = one.act(np.full(scan.shape, LIGHT_E), scan, {}, np.random.default_rng(seed))
+    inner = np.asarray(counts)[..., 8:-8]
+    expected = predicted_covariance(a, one.n_steps)[middle, middle:]
+    for lag in (0, 1, 2):
+        found, error = covariance(inner[..., lag:], inner[..., : inner.shape[-1] - lag])
+        assert abs(found - expected[lag]) < 4 * error
     assert abs(inner.mean() - LIGHT_E) < 4 * np.sqrt(LIGHT_E / inner.size)
 
 

@@ -73,6 +73,9 @@ def test_an_answer_that_was_changed_after_the_diagnosis_is_found_out(tmp_path: P
     sealed.write_bytes((other / "answers" / "00000.sealed").read_bytes())
     with pytest.raises(ValueError, match="committed"):
         list(outcomes(tmp_path, {}))
+    (tmp_path / "diagnoses.jsonl").write_text((other / "diagnoses.jsonl").read_text())
+    with pytest.raises(ValueError, match="committed"):
+        list(outcomes(tmp_path, {}))
 
 
 def test_a_diagnosis_that_fails_is_an_outcome(tmp_path: Path) -> None:

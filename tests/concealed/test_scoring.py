@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.stats import binom
+from scipy.stats import binom, norm
 
 from tests.concealed.generator.catalogue import LISTED
 from tests.concealed.scoring.confusion import confusion
@@ -66,6 +66,18 @@ def test_the_sight_at_which_half_are_named_is_found(loss: float) -> None:
             for one in single]  # fmt: skip
     # Of 40 x 33 cases some 300 lie where it is open: 6 % of a step of one standard deviation.
     assert half_named_sigma(seen) / (loss * ideal_threshold()) == pytest.approx(1.0, abs=0.15)
+
+
+def test_half_are_named_later_where_names_are_confused_however_clear_they_are() -> None:
+    rng, kept = RNG(7), 0.6
+    seen = []
+    for one in of_kind(honest_run(rng, repeats=60), "single"):
+        name = one.truths[0].name if rng.random() < kept else "none"
+        found = (finding(name, 0.9),) if one.findings else ()
+        seen.append(named("single", one.truths, found))
+    expected = ideal_threshold() + norm.ppf(0.5 / kept)
+    # Without the levelling off it would be the threshold itself, less by 22 %.
+    assert half_named_sigma(seen) / expected == pytest.approx(1.0, abs=0.12)
 
 
 def test_a_diagnosis_like_the_ideal_filter_lies_on_its_curve() -> None:

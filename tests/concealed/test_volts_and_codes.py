@@ -103,6 +103,8 @@ def test_wide_codes_leave_the_mean_of_a_wide_signal(shape: str) -> None:
     counts = np.bincount(codes.ravel(), minlength=1401)[1001:1400].astype(float)
     wide = counts[(np.arange(1001, 1400) % period) == 0].mean()
     narrow = counts[(np.arange(1001, 1400) % period) != 0].mean()
+    error = codes - dn
+    assert abs(error.mean()) < 4 * error.std() / np.sqrt(error.size)
     # Edge k moves by half the strength up where k is even: even codes gain, odd ones lose it.
     expected = {"alternating": 1.4 / 0.6, "every_fourth": 1.4 / ((4 - 1.4) / 3)}[shape]
     assert abs(wide / narrow / expected - 1) < 4 * np.sqrt(2 / (wide * 99))
