@@ -69,15 +69,17 @@ def test_the_sight_at_which_half_are_named_is_found(loss: float) -> None:
 
 
 def test_half_are_named_later_where_names_are_confused_however_clear_they_are() -> None:
-    rng, kept = RNG(7), 0.6
-    seen = []
-    for one in of_kind(honest_run(rng, repeats=60), "single"):
-        name = one.truths[0].name if rng.random() < kept else "none"
-        found = (finding(name, 0.9),) if one.findings else ()
-        seen.append(named("single", one.truths, found))
+    kept, ratios = 0.8, []
     expected = ideal_threshold() + norm.ppf(0.5 / kept)
-    # Without the levelling off it would be the threshold itself, less by 22 %.
-    assert half_named_sigma(seen) / expected == pytest.approx(1.0, abs=0.12)
+    for rng in map(RNG, range(7, 11)):
+        seen = []
+        for one in of_kind(honest_run(rng, repeats=60), "single"):
+            name = one.truths[0].name if rng.random() < kept else "none"
+            found = (finding(name, 0.9),) if one.findings else ()
+            seen.append(named("single", one.truths, found))
+        ratios.append(half_named_sigma(seen) / expected)
+    # One fit scatters by 3.5 %. Taken for the logistic's middle it would be 9 % too low.
+    assert np.mean(ratios) == pytest.approx(1.0, abs=4 * 0.035 / np.sqrt(len(ratios)))
 
 
 def test_a_diagnosis_like_the_ideal_filter_lies_on_its_curve() -> None:
