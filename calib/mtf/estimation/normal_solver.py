@@ -26,6 +26,8 @@ class NormalSolver:
         Raises:
             NotDeterminedError: `aliased` where two unknowns cannot be told apart.
         """
+        if not np.diag(normal).min() > 0:
+            raise _aliased()
         scale = 1 / np.sqrt(np.diag(normal))
         scaled = normal * np.multiply.outer(scale, scale)
         for which in range(3):
@@ -37,9 +39,7 @@ class NormalSolver:
             0.0 if failed else lapack.dpocon(factor, np.abs(scaled).sum(0).max(), uplo="L")[0]
         )
         if condition < _LEAST_CONDITION:
-            msg = "these frames do not tell all of the pattern's harmonics apart, since some alias"
-            msg += " onto each other: record more stage positions, or a larger part of the detector"
-            raise NotDeterminedError(msg, code="aliased")
+            raise _aliased()
         return cls(factor, scale)
 
     def solve(self, right: NDArray[np.floating]) -> Unknowns:
@@ -47,3 +47,11 @@ class NormalSolver:
         scale = self.scale if right.ndim == 1 else self.scale[:, None]
         solution: Unknowns = scale * cho_solve((self.factor, True), scale * right)
         return solution
+
+
+def _aliased() -> NotDeterminedError:
+    msg = (
+        "these frames do not tell all of the pattern's harmonics apart, since some alias onto each"
+    )
+    msg += " other: record more stage positions, or a larger part of the detector"
+    return NotDeterminedError(msg, code="aliased")
