@@ -1,7 +1,8 @@
 """The forward model: a camera, a source, and the chain of effects between light and DN."""
 
 import os
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from numpy.random import Generator
@@ -19,6 +20,7 @@ from calib.forward.remembering import Remembering
 from calib.forward.scene import as_scene
 from calib.forward.truth import Truth
 from calib.forward.truth_of import truth_of
+from calib.forward.uncertainty import check_uncertainty
 from calib.recording.frame_codes import sample_shape
 from calib.recording.header import CameraHeader, SourceHeader
 
@@ -40,11 +42,14 @@ class Model:
         camera: Size, bit depth, taps, and how it is set.
         source: The light.
         effects: The links; kept in the physical order, each name once.
+        uncertainty: Standard uncertainties of links' parameters, by link and parameter, where
+            somebody determined them; drawing takes no notice of them.
     """
 
     camera: CameraHeader
     source: SourceHeader
     effects: tuple[Effect, ...]
+    uncertainty: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Put the links in order; raise InputError where they do not make a chain."""
@@ -68,6 +73,7 @@ class Model:
             )
         for effect in ordered:
             effect.check_camera(self.camera)
+        check_uncertainty(self.uncertainty, ordered)
 
     @classmethod
     def loads(cls, text: str, *, where: str = "model") -> "Model":
@@ -105,7 +111,7 @@ class Model:
 
     def dumps(self) -> str:
         """Return the model as TOML; `loads` gives the same model back."""
-        return model_file.text_of(self.camera, self.source, self.effects)
+        return model_file.text_of(self.camera, self.source, self.effects, self.uncertainty)
 
     def save(self, path: Path | str) -> None:
         """Write the model to `path`, whole or not at all."""
@@ -130,7 +136,9 @@ class Model:
     def without(self, name: str) -> "Model":
         """Return the model without the effect of that name, if it has it."""
         effect_named(name)
-        return replace(self, effects=tuple(e for e in self.effects if e.name != name))
+        kept = tuple(e for e in self.effects if e.name != name)
+        known = {n: stds for n, stds in self.uncertainty.items() if n != name}
+        return replace(self, effects=kept, uncertainty=known)
 
     @property
     def remembers(self) -> bool:

@@ -3,6 +3,7 @@
 [camera]            as in recording.toml
 [source]            as in recording.toml
 [effects.vignette]  one table per effect, its parameters by name
+[uncertainty.lag]   optional: standard uncertainties of an effect's parameters, by name
 """
 
 import os
@@ -18,13 +19,16 @@ from calib.errors import InputError
 from calib.forward.effect import Effect
 from calib.forward.effects.catalogue import effect_named
 from calib.forward.parameter import from_table, to_table
+from calib.forward.uncertainty import Uncertainty, read_uncertainty
 from calib.recording.header import CameraHeader, SourceHeader
 
 Header = TypeVar("Header", CameraHeader, SourceHeader)
-_TABLES = ("camera", "source", "effects")
+_TABLES = ("camera", "source", "effects", "uncertainty")
 
 
-def parse(text: str, where: str) -> tuple[CameraHeader, SourceHeader, tuple[Effect, ...]]:
+def parse(
+    text: str, where: str
+) -> tuple[CameraHeader, SourceHeader, tuple[Effect, ...], Uncertainty]:
     """Return what a model file says; `where` names the file in InputErrors."""
     try:
         document = tomllib.loads(text)
@@ -39,16 +43,23 @@ def parse(text: str, where: str) -> tuple[CameraHeader, SourceHeader, tuple[Effe
         if not isinstance(table, dict):
             raise InputError(f"{inside} is not a table; give one.", code="wrong-type")
         effects.append(from_table(effect_named(name), table, inside))
-    return camera, source, tuple(effects)
+    return camera, source, tuple(effects), read_uncertainty(document, where)
 
 
-def text_of(camera: CameraHeader, source: SourceHeader, effects: tuple[Effect, ...]) -> str:
+def text_of(
+    camera: CameraHeader,
+    source: SourceHeader,
+    effects: tuple[Effect, ...],
+    uncertainty: Uncertainty,
+) -> str:
     """Return the model file of these parts."""
+    told = {name: dict(stds) for name, stds in uncertainty.items()}
     return tomli_w.dumps(
         {
             "camera": camera.model_dump(exclude_none=True),
             "source": source.model_dump(exclude_none=True),
             "effects": {effect.name: to_table(effect) for effect in effects},
+            **({"uncertainty": told} if told else {}),
         }
     )
 

@@ -8,8 +8,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 
+from calib.forward.model import Model
 from calib.radiometric.calibration import Calibration
 from calib.radiometric.coefficients.provenance import Parameter, Provenance
+from calib.radiometric.departures.amended import amended
+from calib.radiometric.departures.model_check import check_model
 from calib.radiometric.estimation.choices import Choices, MonitorUse, check_recording
 from calib.radiometric.estimation.from_statistics import Determined, determine
 from calib.radiometric.estimation.selection import CLIP_SIGMA
@@ -42,6 +45,7 @@ def calibrate(
     relative: bool = False,
     darks_required: bool = True,
     monitor: MonitorUse = "use",
+    model: Model | None = None,
     held_out_every: int = HELD_OUT_EVERY,
     plan: str = "",
     origin: Mapping[str, Parameter] | None = None,
@@ -61,6 +65,8 @@ def calibrate(
         darks_required: Refuse a recording without capped darks.
         monitor: "use" corrects the light of blocks of one level by their monitor readings, where
             every flat has one and the camera sees the same changes; "ignore" does not.
+        model: Its departures, such as lag, are taken out of the recording, and are carried by the
+            set, so that `apply` takes them out of lines; None knows of none.
         held_out_every: One line of so many is kept from the fit to judge the result; 0 keeps none.
         plan: The plan that was run, as text, for the provenance.
         origin: Where `radiances` come from, for the provenance: it joins the parameters.
@@ -73,6 +79,8 @@ def calibrate(
     """
     choices = Choices(radiances, source, order, relative, darks_required, monitor)
     check_recording(recording.header, choices)
+    if model is not None:
+        check_model(model, _in_unit(recording.header, radiance_unit), relative=relative)
     recording = DigestedWhileRead(recording)
     statistics = column_statistics(
         recording,
@@ -85,7 +93,13 @@ def calibrate(
         recording, choices, tone, held_out_every, plan=plan, origin=origin or {}
     )
     header = _in_unit(recording.header, radiance_unit)
-    determined = determine(statistics, header, provenance, choices)
+    if model is None:
+        determined = determine(statistics, header, provenance, choices)
+    else:
+        without = amended(
+            statistics, header, provenance, choices, model, held_out_every=held_out_every
+        )
+        determined, statistics = without.determined, without.statistics
     judged = _judge(recording, statistics, determined, held_out_every)
     found = determined.coefficients
     # The digest is a few frames behind, and had until now to catch up.

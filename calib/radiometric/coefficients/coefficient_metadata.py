@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 from calib.budget import Budget, BudgetRow
 from calib.radiometric.coefficients.column_state import ColumnState
+from calib.radiometric.coefficients.departures import Departures
 from calib.radiometric.coefficients.provenance import Domain, Provenance
 from calib.radiometric.coefficients.transfer_reference import TransferReference
 from calib.recording.header import CameraHeader
@@ -55,6 +56,11 @@ class Described(Protocol):
         """The pixel's transfer function, where one is attached."""
         ...
 
+    @property
+    def departures(self) -> Departures | None:
+        """What was taken out of the calibration, where anything was."""
+        ...
+
 
 def to_metadata(coefficients: Described) -> dict[str, Any]:
     """Return everything but the arrays, ready for JSON; a number that is not known is None.
@@ -62,7 +68,7 @@ def to_metadata(coefficients: Described) -> dict[str, Any]:
     What is optional is left out where there is none, so that a set keeps the id that it had before
     there was such a thing.
     """
-    transfer = coefficients.transfer_function
+    transfer, departures = coefficients.transfer_function, coefficients.departures
     return {
         "format": FORMAT,
         "reason_codes": {state.name.lower(): int(state) for state in ColumnState},
@@ -72,6 +78,7 @@ def to_metadata(coefficients: Described) -> dict[str, Any]:
         "provenance": asdict(coefficients.provenance),
         **{name: _finite(getattr(coefficients, name)) for name in SCALARS},
         **({} if transfer is None else {"transfer_function": asdict(transfer)}),
+        **({} if departures is None else {"departures": asdict(departures)}),
     }
 
 
@@ -93,6 +100,7 @@ def from_metadata(metadata: Mapping[str, Any]) -> dict[str, Any]:
         "provenance": Provenance(**metadata["provenance"]),
         **{name: _unknown(name, metadata[name]) for name in SCALARS},
         "transfer_function": _transfer(metadata.get("transfer_function")),
+        "departures": _departures(metadata.get("departures")),
     }
 
 
@@ -103,6 +111,12 @@ def _transfer(told: Mapping[str, Any] | None) -> TransferReference | None:
         key: tuple(each) if isinstance(each, list) else each for key, each in told.items()
     }
     return TransferReference(**pairs)
+
+
+def _departures(told: Mapping[str, Any] | None) -> Departures | None:
+    if told is None:
+        return None
+    return Departures(**{**told, "cannot_be_undone": tuple(told["cannot_be_undone"])})
 
 
 def _finite(value: Any) -> Any:

@@ -16,6 +16,7 @@ from calib.budget import Budget
 from calib.errors import InputError
 from calib.radiometric.coefficients.coefficient_metadata import from_metadata, to_metadata
 from calib.radiometric.coefficients.column_state import ColumnState
+from calib.radiometric.coefficients.departures import Departures
 from calib.radiometric.coefficients.provenance import Domain, Provenance
 from calib.radiometric.coefficients.transfer_reference import TransferReference
 from calib.recording import content_addressed
@@ -57,6 +58,8 @@ class CoefficientSet:
         budget: Of the responsivity, relative.
         provenance: Where it comes from.
         transfer_function: The pixel's transfer function, where one was measured and attached.
+        departures: What was taken out of the calibration, and is taken out of lines; None where
+            the response is all there is.
     """
 
     camera: CameraHeader
@@ -86,6 +89,7 @@ class CoefficientSet:
     budget: Budget
     provenance: Provenance
     transfer_function: TransferReference | None = None
+    departures: Departures | None = None
 
     def __post_init__(self) -> None:
         for name in self.array_names():

@@ -105,6 +105,7 @@ def _assemble(
         camera=header.camera,
         radiance_unit="1" if relative else header.source.radiance_unit,
         transfer_function=None,
+        departures=None,
         **columns,
         dark_current_dn_per_us=np.where(valid, estimate.current.dn_per_us, np.nan),
         dark_current_dn_per_us_std=np.where(valid, estimate.current.std, np.nan),

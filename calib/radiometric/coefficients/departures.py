@@ -1,0 +1,55 @@
+"""What a coefficient set says of departures: what was taken out of it is taken out of lines."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from calib.forward.departure import Departure
+from calib.forward.effect import Effect
+from calib.forward.effects.catalogue import effect_named
+from calib.forward.effects.system_gain import SystemGain
+from calib.forward.effects.vignette import Vignette
+from calib.forward.parameter import from_table, to_table
+
+
+@dataclass(frozen=True)
+class Departures:
+    """Names and parameters, as in a model file, and the conditions that stand for unknown ones.
+
+    Attributes:
+        effects: Parameters by name of the departure; `vignette`'s and `system_gain`'s among them.
+        line_period_us: From line to line.
+        time_s: The flats' mean wall time since the recording's start.
+        temperature_c: Their mean sensor temperature; None where none was recorded.
+        cannot_be_undone: Departures of the model that no correction deals with.
+    """
+
+    effects: Mapping[str, Mapping[str, Any]]
+    line_period_us: float
+    time_s: float
+    temperature_c: float | None = None
+    cannot_be_undone: tuple[str, ...] = ()
+
+    @classmethod
+    def tables(cls, effects: tuple[Effect, ...]) -> dict[str, dict[str, Any]]:
+        """Return the parameters of effects by name."""
+        return {effect.name: to_table(effect) for effect in effects}
+
+    @property
+    def departures(self) -> tuple[Departure, ...]:
+        """The departures themselves."""
+        return tuple(e for e in self._built() if isinstance(e, Departure))
+
+    @property
+    def gain(self) -> SystemGain:
+        """How electrons become DN."""
+        return next(e for e in self._built() if isinstance(e, SystemGain))
+
+    @property
+    def vignette(self) -> Vignette:
+        """The lens, behind which some departures act."""
+        return next((e for e in self._built() if isinstance(e, Vignette)), Vignette())
+
+    def _built(self) -> list[Effect]:
+        where = "coefficient set"
+        return [from_table(effect_named(n), t, f"{where}: {n}") for n, t in self.effects.items()]

@@ -1,0 +1,228 @@
+"""Block statistics as the sensor would have shown them without its departures.
+
+    mean'     = mean − (F(θ) − F0(θ))
+    variance' = variance · V0(θ) / V(θ)
+
+F and V are mean and variance that the forward model expects of a block with its departures, F0 and
+V0 those without, θ the response (DN0, VE·QE, levels). θ comes from the usual estimation on the
+corrected statistics, so that both are found in turn: where they stand still, θ makes the sum of
+the weighted residuals of F itself vanish along the derivatives of F0. That is least squares of F
+but for the departures' share in the derivatives, which costs weight and no bias. A round leaves of
+an error what the departure changes of a signal, some percent.
+
+Rounding is undone before and done again behind, for its bias follows the mean that was sampled.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.arrays import Columns
+from calib.forward.effects.read_noise import ReadNoise
+from calib.forward.effects.shot_noise import ShotNoise
+from calib.forward.effects.system_gain import SystemGain
+from calib.forward.effects.vignette import Vignette
+from calib.forward.model import Model
+from calib.radiometric.departures.expected_blocks import (
+    ExpectedBlock,
+    LitBlock,
+    expected_blocks,
+    noise_variances,
+)
+from calib.radiometric.departures.fitted_chain import FittedChain, Response, carried
+from calib.radiometric.departures.recorded_blocks import RecordedBlock, recorded_blocks
+from calib.radiometric.estimation.block_table import BlockTable, Cells
+from calib.radiometric.estimation.choices import Choices, no_flats
+from calib.radiometric.estimation.parts import Parts, find_parts
+from calib.radiometric.estimation.radiance_table import group_levels
+from calib.recording.block_statistics import BlockStatistics, RecordingStatistics
+from calib.recording.header import RecordingHeader
+from calib.rounding import rounded_moments, unrounded_mean
+
+ROUNDS = 20
+SETTLED_SIGMA = 1e-3
+"""Means that move by less of their standard errors, as a root mean square, stand still."""
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """Statistics without the departures.
+
+    Attributes:
+        statistics: Of the lines to fit, and of those held out.
+        shift_dn: What departures add to the means, (n_blocks, n_columns).
+    """
+
+    statistics: RecordingStatistics
+    shift_dn: Cells
+
+
+@dataclass(frozen=True)
+class _Observed:
+    """What does not change from round to round."""
+
+    statistics: RecordingStatistics
+    header: RecordingHeader
+    model: Model
+    choices: Choices
+    blocks: tuple[RecordedBlock, ...]
+    held_out_every: int
+
+    @property
+    def mean_dn(self) -> Cells:
+        return np.array([s.mean_dn for s in self.statistics.fit])
+
+
+def corrected_statistics(
+    statistics: RecordingStatistics,
+    header: RecordingHeader,
+    model: Model,
+    choices: Choices,
+    *,
+    held_out_every: int,
+    start_dn: Cells | None = None,
+) -> Corrected:
+    """Take the model's departures out of block means and variances.
+
+    Args:
+        statistics: Of the recording.
+        header: Of the recording.
+        model: Its departures, its system gain and its noise are used, not its response.
+        choices: As for `determine`.
+        held_out_every: How lines were split.
+        start_dn: The shift to start from; that of nearly the same model saves rounds.
+
+    Raises:
+        InputError, NotDeterminedError: As `determine`; `line-period-missing`.
+    """
+    seen = _observed(statistics, header, model, choices, held_out_every)
+    shift = np.zeros_like(seen.mean_dn) if start_dn is None else start_dn
+    ones = np.ones_like(shift)
+    for _ in range(ROUNDS):
+        parts = _parts(seen, _shifted(statistics.fit, shift, ones, None))
+        lit = _lit_blocks(seen, parts)
+        expected = tuple(expected_blocks(lit, held_out_every))
+        last, shift = shift, _shift(lit, expected)
+        error = np.sqrt(np.array([s.variance_dn2 / s.n_lines for s in statistics.fit]))
+        moved = (shift - last)[error > 0] / error[error > 0]
+        if np.sqrt(np.mean(moved**2)) < SETTLED_SIGMA:
+            break
+    ratio = _variance_ratio(lit, expected)
+    fit = _shifted(statistics.fit, shift, ratio, parts)
+    rows = [k for k, s in enumerate(statistics.fit) if _held(statistics, s) is not None]
+    held = _shifted(statistics.held_out, shift[rows], ratio[rows], parts)
+    return Corrected(RecordingStatistics(fit, held), shift)
+
+
+def _observed(
+    statistics: RecordingStatistics,
+    header: RecordingHeader,
+    model: Model,
+    choices: Choices,
+    held_out_every: int,
+) -> _Observed:
+    n_lines = []
+    for s in statistics.fit:
+        held = _held(statistics, s)
+        n_lines.append(s.n_lines + (0 if held is None else held.n_lines))
+    told = [s.block for s in statistics.fit]
+    blocks = recorded_blocks(told, n_lines, header.camera, model.camera.line_period_us)
+    return _Observed(statistics, header, model, choices, blocks, held_out_every)
+
+
+def _held(statistics: RecordingStatistics, of: BlockStatistics) -> BlockStatistics | None:
+    return next((h for h in statistics.held_out if h.block.block == of.block.block), None)
+
+
+def _parts(seen: _Observed, fit: Sequence[BlockStatistics]) -> Parts:
+    """Return the usual estimation of lines, profile and scale."""
+    flats, darks = (BlockTable.of_kind(fit, kind) for kind in ("flat", "dark"))
+    if not len(flats):
+        raise no_flats()
+    groups = group_levels(flats.blocks, seen.choices.radiances)
+    return find_parts(flats, darks, groups, seen.header, seen.choices)
+
+
+def _lit_blocks(seen: _Observed, parts: Parts) -> tuple[LitBlock, ...]:
+    """Return the blocks with the light and the response that `parts` found."""
+    estimate, scale = parts.estimate, parts.scale.radiance_of_reference
+    slope = estimate.fit.slope / scale
+    x_us = iter(estimate.fit.x_us.tolist())
+    lit = []
+    for one, observed in zip(seen.blocks, seen.statistics.fit, strict=True):
+        t = one.block.exposure_us
+        response = Response.filled(slope, estimate.fit.offset + estimate.current.dn_per_us * t)
+        light = np.zeros(len(slope))
+        if one.block.kind == "flat" and observed.n_lines:
+            radiance = next(x_us) / t * scale
+            light += radiance if np.isfinite(radiance) else (one.block.radiance or 0.0)
+        elif one.block.kind == "scene":
+            above = observed.mean_dn - response.dark_dn
+            light = np.maximum(above, 0.0) / (response.slope * t)
+        lit.append(LitBlock(one, _chain(seen.model, response), light))
+    return tuple(lit)
+
+
+def _chain(model: Model, response: Response) -> FittedChain:
+    vignette, gain = model.effect("vignette"), model.effect("system_gain")
+    noise = [e for e in model.effects if isinstance(e, ShotNoise | ReadNoise)]
+    return FittedChain(
+        carried(model.effects),
+        vignette if isinstance(vignette, Vignette) else Vignette(),
+        gain if isinstance(gain, SystemGain) else SystemGain(1.0),
+        response,
+        tuple(noise),
+    )
+
+
+def _shift(lit: Sequence[LitBlock], expected: Sequence[ExpectedBlock]) -> Cells:
+    """Return F − F0, (n_blocks, n_columns)."""
+    rows = []
+    for one, e in zip(lit, expected, strict=True):
+        plain = replace(one.chain, departures=())
+        without, _ = plain.expected(one.light, one.recorded.at(None, 0, 1))
+        rows.append(e.mean_dn - without[0])
+    return np.array(rows)
+
+
+def _variance_ratio(lit: Sequence[LitBlock], expected: Sequence[ExpectedBlock]) -> Cells:
+    """Return V0 / V, 1 where there is no noise, (n_blocks, n_columns)."""
+    ratio = []
+    for k, (one, e) in enumerate(zip(lit, expected, strict=True)):
+        noise, without = noise_variances(one, e.before, k)
+        total = noise + e.line_variance_dn2
+        known = (total > 0) & (without > 0)
+        ratio.append(np.divide(without, total, out=np.ones_like(total), where=known))
+    return np.array(ratio)
+
+
+def _shifted(
+    statistics: Sequence[BlockStatistics],
+    shift: Cells,
+    ratio: Cells,
+    parts: Parts | None,
+) -> tuple[BlockStatistics, ...]:
+    """Return the statistics of codes without the shift; `parts` tells the noise that is rounded."""
+    return tuple(
+        replace(s, mean_dn=mean, variance_dn2=variance)
+        for s, d, r in zip(statistics, shift, ratio, strict=True)
+        for mean, variance in [_moments(s, d, r, parts)]
+    )
+
+
+def _moments(
+    s: BlockStatistics, shift: Columns, ratio: Columns, parts: Parts | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    if parts is None:
+        return s.mean_dn - shift, s.variance_dn2
+    estimate = parts.estimate
+    signal = s.mean_dn - shift - np.nan_to_num(estimate.fit.offset)
+    sigma = estimate.noise.sigma_dn(signal)
+    sampled = sigma / np.sqrt(ratio)
+    mean = unrounded_mean(s.mean_dn, sampled).mean_dn
+    rounded, anew = rounded_moments(mean, sampled), rounded_moments(mean - shift, sigma)
+    noise = s.variance_dn2 - (rounded.variance_dn2 - sampled**2)
+    variance = noise * ratio + (anew.variance_dn2 - sigma**2)
+    return anew.mean_dn, np.maximum(variance, 0.0)
