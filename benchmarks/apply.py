@@ -9,7 +9,8 @@ from benchmarks.race import race
 from benchmarks.row import Row
 from benchmarks.size import Size
 from calib.kernels.radiance import aligned
-from calib.radiometric.correction.apply import Correction, Radiance
+from calib.radiometric.correction.apply import Correction
+from calib.radiometric.correction.radiance_lines import Radiance
 
 STRETCH_BYTES = 1 << 21  # of radiance: what `correct_recording` takes at once
 LEAST_SHARE, LEAST_SHARE_WITH_STD = 0.6, 0.4

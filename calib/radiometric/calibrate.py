@@ -4,10 +4,12 @@ Source: Olsen, D. et al. (2010), Radiometric calibration for AgCam, Remote Sensi
 Eqs. 1-3 and section 5. Where this differs, and why, is in docs/calibration.md.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
+from calib.arrays import Columns
 from calib.forward.model import Model
 from calib.radiometric.calibration import Calibration
 from calib.radiometric.coefficients.provenance import Parameter, Provenance
@@ -93,14 +95,20 @@ def calibrate(
         recording, choices, tone, held_out_every, plan=plan, origin=origin or {}
     )
     header = _in_unit(recording.header, radiance_unit)
+    added: dict[str, Columns] = {}
     if model is None:
         determined = determine(statistics, header, provenance, choices)
     else:
         without = amended(
             statistics, header, provenance, choices, model, held_out_every=held_out_every
         )
-        determined, statistics = without.determined, without.statistics
-    judged = _judge(recording, statistics, determined, held_out_every)
+        determined = without.determined
+        added = {
+            s.block.block: s.mean_dn - w.mean_dn
+            for s, w in zip(statistics.held_out, without.statistics.held_out, strict=True)
+        }
+        statistics = without.statistics
+    judged = _judge(recording, statistics, determined, held_out_every, added)
     found = determined.coefficients
     # The digest is a few frames behind, and had until now to catch up.
     digested = replace(found.provenance, recording_digest=recording.digest())
@@ -118,13 +126,20 @@ def _judge(
     statistics: RecordingStatistics,
     determined: Determined,
     held_out_every: int,
+    added_dn: Mapping[str, Columns],
 ) -> Uniformity | None:
-    """Return the coefficients of variation on held-out lines; None where none are held out."""
+    """Return the coefficients of variation on held-out lines; None where none are held out.
+
+    What departures add to a block's mean, by its name, is taken off its single lines.
+    """
     full_scale = recording.header.camera.full_scale_dn
     held_out = nearest_to_half_scale(statistics.held_out, full_scale)
     if held_out is None:
         return None
-    lines = held_out_lines(recording.frames(held_out.block.block), held_out_every)
+    name = held_out.block.block
+    lines: Iterator[Any] = held_out_lines(recording.frames(name), held_out_every)
+    if name in added_dn:
+        lines = (stretch - added_dn[name] for stretch in lines)
     return uniformity(determined.coefficients, held_out, lines)
 
 

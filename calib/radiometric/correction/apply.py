@@ -3,14 +3,12 @@
 Source: Olsen et al. 2010 (AgCam), Eq. 1 solved for L. See `apply_terms` for the uncertainty.
 """
 
-from dataclasses import dataclass
 from datetime import datetime
 from functools import reduce
 from math import ceil, floor, isfinite, sqrt
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.arrays import RawLines
 from calib.errors import InputError
@@ -25,45 +23,14 @@ from calib.radiometric.correction.apply_checks import (
 )
 from calib.radiometric.correction.apply_terms import column_terms
 from calib.radiometric.correction.flags import Flag
+from calib.radiometric.correction.inversion import Inversion
+from calib.radiometric.correction.inverted_lines import fill_inverted
+from calib.radiometric.correction.radiance_lines import Radiance
 from calib.radiometric.correction.transmittance import Window
 from calib.recording.header import CameraHeader
 
 _CODES = (np.dtype(np.uint8), np.dtype(np.uint16))
 _NO_WINDOW = Window(1.0, 0.0, "none")
-
-
-@dataclass(frozen=True)
-class Radiance:
-    """Lines in radiance, each array (n_lines, n_columns).
-
-    Attributes:
-        radiance: float32, in the set's unit; NaN in masked columns, negative below black.
-        std: float32, standard uncertainty (k = 1) of each single sample, the scale's included; NaN
-            in masked columns, infinite where saturated. None where not asked for.
-        flags: uint8, bits of `Flag`.
-    """
-
-    radiance: NDArray[np.float32]
-    std: NDArray[np.float32] | None
-    flags: NDArray[np.uint8]
-
-    @classmethod
-    def empty(cls, n_lines: int, n_columns: int, *, std: bool = True) -> "Radiance":
-        """Return arrays to be filled, for `Correction.lines(..., out=...)`."""
-        shape = (n_lines, n_columns)
-        return cls(
-            kernel.aligned(shape, np.float32),
-            kernel.aligned(shape, np.float32) if std else None,
-            kernel.aligned(shape, np.uint8),
-        )
-
-    def check_fits(self, dn: RawLines) -> None:
-        """Raise InputError `wrong-shape` unless the arrays are writable ones for lines `dn`."""
-        floats = [self.radiance] if self.std is None else [self.radiance, self.std]
-        for array, dtype in [(each, np.float32) for each in floats] + [(self.flags, np.uint8)]:
-            if array.shape != dn.shape or array.dtype != dtype or not array.flags.carray:
-                msg = f"Output for lines {dn.shape} must be contiguous {np.dtype(dtype)} like them."
-                raise InputError(msg, code="wrong-shape")
 
 
 class Correction:
@@ -75,6 +42,8 @@ class Correction:
         window: What the scene was seen through; its transmittance is 1 where there was none.
         notes: What a reader of the result has to know: mismatches that were forced, extrapolation.
         flags: The bits that every sample carries because of `notes`.
+        inversion: What takes the set's departures out of lines; None where it has none. Calls of
+            `lines` are then taken to be for successive lines.
     """
 
     def __init__(
@@ -88,6 +57,7 @@ class Correction:
         window: Window | None = None,
         sensor_temperature_c: float | None = None,
         force: bool = False,
+        follows: "Correction | None" = None,
     ) -> None:
         """Check that `coefficients` hold for these lines.
 
@@ -100,6 +70,8 @@ class Correction:
             window: What was between scene and camera, but not so during the calibration.
             sensor_temperature_c: The sensor's temperature; not checked where None.
             force: Apply the set although it does not match, and say so in flags and notes.
+            follows: What corrected the lines before these, where a departure of the set, such as
+                lag, has memory; None takes the sensor to have rested.
 
         Raises:
             InputError: `set-mismatch` or `outside-validity` (unless forced), `wrong-columns`,
@@ -126,6 +98,13 @@ class Correction:
             coefficients, exposure_us, self.window.relative_std, self.window.transmittance
         )
         self.notes = tuple(finding.text for finding in findings)
+        before = None if follows is None else follows.inversion
+        self.inversion: Inversion | None = Inversion.of(
+            coefficients, exposure_us, camera, at=at, temperature_c=sensor_temperature_c,
+            follows=before,
+        )  # fmt: skip
+        if self.inversion is not None:
+            self.notes += self.inversion.notes
         self.flags = reduce(Flag.__or__, (finding.flag for finding in findings), Flag(0))
         masked = np.where(coefficients.valid, 0, int(Flag.MASKED))
         self._base = (masked | int(self.flags)).astype(np.uint8)
@@ -148,13 +127,23 @@ class Correction:
         codes = cast("RawLines", np.ascontiguousarray(dn))
         result = Radiance.empty(*codes.shape, std=std) if out is None else out
         result.check_fits(codes)
-        kernel.correct(
-            codes,
-            self._single,
-            self._limits_dn,
-            self._base,
-            (result.radiance, result.std, result.flags),
-        )
+        if self.inversion is None:
+            kernel.correct(
+                codes,
+                self._single,
+                self._limits_dn,
+                self._base,
+                (result.radiance, result.std, result.flags),
+            )
+        else:
+            fill_inverted(
+                codes,
+                self.inversion,
+                terms=self.terms,
+                limits_dn=self._limits_dn,
+                base_flags=self._base,
+                out=(result.radiance, result.std, result.flags),
+            )
         return result
 
     def mean_line(self, dn: RawLines) -> Radiance:
@@ -167,6 +156,8 @@ class Correction:
         single = self.lines(dn)
         terms, n_lines = self.terms, len(dn)
         signal = dn.mean(axis=0, dtype=np.float64) - terms.dark_dn
+        if self.inversion is not None:
+            signal = single.radiance.mean(axis=0, dtype=np.float64) / terms.scale
         temporal = terms.temporal_variance_dn2(signal) / n_lines
         std = np.sqrt(temporal + terms.coefficient_variance_dn2(signal)) * terms.scale
         flags = np.bitwise_or.reduce(single.flags, axis=0)

@@ -17,8 +17,9 @@ from typing import Any, Self
 
 import h5py
 
-from calib.radiometric.correction.apply import Correction, Radiance
+from calib.radiometric.correction.apply import Correction
 from calib.radiometric.correction.flags import Flag
+from calib.radiometric.correction.radiance_lines import Radiance
 from calib.recording.durable import disk_errors, in_new_parents, partial_path, refuse_existing, sync
 from calib.recording.header import Block
 from calib.recording.unfailing_file import UnfailingFile

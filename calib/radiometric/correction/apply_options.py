@@ -33,9 +33,13 @@ class ApplyOptions:
     blocks: Sequence[str] | None = None
 
     def correction(
-        self, recording: Recording, block: Block, coefficients: CoefficientSet
+        self,
+        recording: Recording,
+        block: Block,
+        coefficients: CoefficientSet,
+        follows: Correction | None = None,
     ) -> Correction:
-        """Return the set made ready for one block."""
+        """Return the set made ready for one block, which comes behind that of `follows`."""
         camera = recording.header.camera
         at = camera.started_at if self.at is None else self.at
         if at is not None and self.at is None and block.started_s is not None:
@@ -49,4 +53,5 @@ class ApplyOptions:
             window=self.window,
             sensor_temperature_c=block.sensor_temperature_c,
             force=self.force,
+            follows=follows,
         )

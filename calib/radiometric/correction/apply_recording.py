@@ -9,11 +9,12 @@ import numpy as np
 from calib.arrays import RawLines
 from calib.errors import DarkflatError, InputError
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
-from calib.radiometric.correction.apply import Correction, Radiance
+from calib.radiometric.correction.apply import Correction
 from calib.radiometric.correction.apply_file import RadianceFile, writing
 from calib.radiometric.correction.apply_options import ApplyOptions
+from calib.radiometric.correction.blocks_to_correct import chosen_blocks, corrections_by_block
 from calib.radiometric.correction.flags import count_flags
-from calib.recording.header import Block
+from calib.radiometric.correction.radiance_lines import Radiance
 from calib.recording.protocol import Recording
 
 _CHUNK_BYTES = 1 << 21
@@ -87,20 +88,26 @@ def correct_recording(
             "recording of a line sensor."
         )
         raise InputError(msg, code="area-sensor")
-    blocks = _chosen(recording, options.blocks)
-    corrections = [options.correction(recording, block, coefficients) for block in blocks]
+    blocks = chosen_blocks(recording, options.blocks)
+    every_correction = corrections_by_block(recording, coefficients, options, blocks)
+    corrections = [every_correction[block.block] for block in blocks]
     counts = dict.fromkeys(count_flags(np.zeros(0, np.uint8)), 0)
     n_lines = 0
     with writing(path, std=options.std) as file:
         file.set_metadata(_metadata(recording, corrections[0]))
-        for done, (block, correction) in enumerate(zip(blocks, corrections, strict=True), start=1):
-            file.begin_block(block, correction)
-            for lines in _stretches(recording.frames(block.block)):
+        for done, (name, correction) in enumerate(every_correction.items(), start=1):
+            block = next((b for b in blocks if b.block == name), None)
+            if block is not None:
+                file.begin_block(block, correction)
+            for lines in _stretches(recording.frames(name)):
                 if cancelled is not None and cancelled():
                     raise CancelledError(path)
-                n_lines += _append(file, correction, lines, counts, std=options.std)
+                if block is None:  # only for what its lines leave in the pixels
+                    correction.lines(lines, std=False)
+                else:
+                    n_lines += _append(file, correction, lines, counts, std=options.std)
             if progress is not None:
-                progress(done / len(blocks))
+                progress(done / len(every_correction))
     names = tuple(block.block for block in blocks)
     every = recording.header.blocks if options.blocks is None else ()
     left_out = tuple(b.block for b in every if b.kind == "dark")
@@ -108,30 +115,6 @@ def correct_recording(
         path, coefficients.id, coefficients.radiance_unit, names, left_out, n_lines, counts,
         _notes(names, corrections),
     )  # fmt: skip
-
-
-def _chosen(recording: Recording, names: Sequence[str] | None) -> tuple[Block, ...]:
-    """Return the blocks of these names, or all but darks, in the order of acquisition."""
-    blocks = recording.header.blocks
-    missing = set(names or ()) - {block.block for block in blocks}
-    if missing:
-        there = ", ".join(block.block for block in blocks)
-        msg = f"{recording.path} has no block {', '.join(sorted(missing))}: it has {there}."
-        raise InputError(msg, code="no-such-block")
-    if names is None:
-        chosen = tuple(b for b in blocks if b.kind != "dark")
-    else:
-        chosen = tuple(b for b in blocks if b.block in names)
-    if names is None and blocks and not chosen:
-        msg = (
-            f"{recording.path} has capped darks only, which have no radiance: record a scene, or "
-            "name the blocks to correct."
-        )
-        raise InputError(msg, code="only-darks")
-    if not chosen:
-        msg = f"{recording.path} has no blocks to correct: record some, or resume it."
-        raise InputError(msg, code="no-such-block")
-    return chosen
 
 
 def _stretches(frames: Iterator[RawLines]) -> Iterator[RawLines]:

@@ -9,22 +9,19 @@ corrected statistics, so that both are found in turn: where they stand still, θ
 the weighted residuals of F itself vanish along the derivatives of F0. That is least squares of F
 but for the departures' share in the derivatives, which costs weight and no bias. A round leaves of
 an error what the departure changes of a signal, some percent.
-
-Rounding is undone before and done again behind, for its bias follows the mean that was sampled.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from calib.arrays import Columns
 from calib.forward.effects.read_noise import ReadNoise
 from calib.forward.effects.shot_noise import ShotNoise
 from calib.forward.effects.system_gain import SystemGain
 from calib.forward.effects.vignette import Vignette
 from calib.forward.model import Model
+from calib.radiometric.departures.code_statistics import without_shift
 from calib.radiometric.departures.expected_blocks import (
     ExpectedBlock,
     LitBlock,
@@ -39,7 +36,6 @@ from calib.radiometric.estimation.parts import Parts, find_parts
 from calib.radiometric.estimation.radiance_table import group_levels
 from calib.recording.block_statistics import BlockStatistics, RecordingStatistics
 from calib.recording.header import RecordingHeader
-from calib.rounding import rounded_moments, unrounded_mean
 
 ROUNDS = 20
 SETTLED_SIGMA = 1e-3
@@ -101,7 +97,7 @@ def corrected_statistics(
     shift = np.zeros_like(seen.mean_dn) if start_dn is None else start_dn
     ones = np.ones_like(shift)
     for _ in range(ROUNDS):
-        parts = _parts(seen, _shifted(statistics.fit, shift, ones, None))
+        parts = _parts(seen, without_shift(statistics.fit, shift, ones, None))
         lit = _lit_blocks(seen, parts)
         expected = tuple(expected_blocks(lit, held_out_every))
         last, shift = shift, _shift(lit, expected)
@@ -110,9 +106,9 @@ def corrected_statistics(
         if np.sqrt(np.mean(moved**2)) < SETTLED_SIGMA:
             break
     ratio = _variance_ratio(lit, expected)
-    fit = _shifted(statistics.fit, shift, ratio, parts)
+    fit = without_shift(statistics.fit, shift, ratio, parts)
     rows = [k for k, s in enumerate(statistics.fit) if _held(statistics, s) is not None]
-    held = _shifted(statistics.held_out, shift[rows], ratio[rows], parts)
+    held = without_shift(statistics.held_out, shift[rows], ratio[rows], parts)
     return Corrected(RecordingStatistics(fit, held), shift)
 
 
@@ -196,33 +192,3 @@ def _variance_ratio(lit: Sequence[LitBlock], expected: Sequence[ExpectedBlock]) 
         known = (total > 0) & (without > 0)
         ratio.append(np.divide(without, total, out=np.ones_like(total), where=known))
     return np.array(ratio)
-
-
-def _shifted(
-    statistics: Sequence[BlockStatistics],
-    shift: Cells,
-    ratio: Cells,
-    parts: Parts | None,
-) -> tuple[BlockStatistics, ...]:
-    """Return the statistics of codes without the shift; `parts` tells the noise that is rounded."""
-    return tuple(
-        replace(s, mean_dn=mean, variance_dn2=variance)
-        for s, d, r in zip(statistics, shift, ratio, strict=True)
-        for mean, variance in [_moments(s, d, r, parts)]
-    )
-
-
-def _moments(
-    s: BlockStatistics, shift: Columns, ratio: Columns, parts: Parts | None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    if parts is None:
-        return s.mean_dn - shift, s.variance_dn2
-    estimate = parts.estimate
-    signal = s.mean_dn - shift - np.nan_to_num(estimate.fit.offset)
-    sigma = estimate.noise.sigma_dn(signal)
-    sampled = sigma / np.sqrt(ratio)
-    mean = unrounded_mean(s.mean_dn, sampled).mean_dn
-    rounded, anew = rounded_moments(mean, sampled), rounded_moments(mean - shift, sigma)
-    noise = s.variance_dn2 - (rounded.variance_dn2 - sampled**2)
-    variance = noise * ratio + (anew.variance_dn2 - sigma**2)
-    return anew.mean_dn, np.maximum(variance, 0.0)

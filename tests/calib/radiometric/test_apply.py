@@ -7,9 +7,10 @@ from numpy.random import default_rng
 
 from calib.errors import InputError
 from calib.radiometric.coefficients.provenance import Domain
-from calib.radiometric.correction.apply import Correction, Radiance
+from calib.radiometric.correction.apply import Correction
 from calib.radiometric.correction.apply_checks import Validity
 from calib.radiometric.correction.flags import Flag, count_flags
+from calib.radiometric.correction.radiance_lines import Radiance
 from calib.radiometric.correction.transmittance import DESTINY_NIR, Window
 from tests.calib.radiometric.example_set import example_set
 

@@ -9,8 +9,9 @@ from numpy.random import default_rng
 from calib.forward.conditions import Conditions
 from calib.forward.model import Model
 from calib.radiometric.calibrate import calibrate
-from calib.radiometric.correction.apply import Correction, Radiance
+from calib.radiometric.correction.apply import Correction
 from calib.radiometric.correction.flags import Flag
+from calib.radiometric.correction.radiance_lines import Radiance
 from calib.radiometric.correction.transmittance import Window
 from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
 from calib.radiometric.landscape import Landscape

@@ -1,0 +1,198 @@
+"""Lines without a set's departures: the light that makes the chain read what was read.
+
+    L_0 = (DN − dark) / (slope·t),    L_k+1 = L_k + (DN − F(L_k)) / (slope·t)
+
+F is the forward model's expectation with the set's departures around its response: all columns and
+lines of a stretch together, what earlier lines left in the pixels in it. Departures change a signal
+by a small share, by which each round makes the error smaller. Those of the source (stage `source`)
+were the bench's, and are none of the scene's.
+
+A sample whose error does not shrink has no such light: above what the chain can read it is as good
+as saturated; below the dark level it keeps L_0 or what came nearest.
+"""
+
+from dataclasses import dataclass, replace
+from datetime import datetime
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.arrays import Columns, RawLines
+from calib.forward.conditions import Conditions
+from calib.forward.effect import Stage
+from calib.forward.effects.read_noise import ReadNoise
+from calib.forward.effects.shot_noise import ShotNoise
+from calib.forward.left import Left
+from calib.forward.remembering import Remembering
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from calib.radiometric.coefficients.departures import Departures
+from calib.radiometric.correction.seen_at import SeenAt
+from calib.radiometric.departures.fitted_chain import FittedChain, Response, moves_mean
+from calib.recording.header import CameraHeader
+
+ROUNDS = 60
+SETTLED_DN = 1e-3
+SHRINKS_BY = 0.99
+UNREACHED_DN = 0.5
+_SAMPLES_DRAWN = 1 << 16
+_FEWEST_DRAWN = 16
+_STEPS = 5
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Inverted:
+    """Lines in light, each (n_lines, n_columns).
+
+    Attributes:
+        signal_dn: What the response alone would have read above the dark level, DN.
+        unreached: True where no light makes the chain read as much.
+    """
+
+    signal_dn: Floats
+    unreached: NDArray[np.bool_]
+
+
+class Inversion:
+    """Takes departures out of the successive lines of a block.
+
+    It remembers what its lines leave in the pixels, for the next ones.
+
+    Attributes:
+        notes: What was not known of the lines, and what stands for it.
+    """
+
+    def __init__(
+        self,
+        coefficients: CoefficientSet,
+        departures: Departures,
+        exposure_us: float,
+        seen: SeenAt,
+        follows: "Inversion | None" = None,
+    ) -> None:
+        """Prepare for lines.
+
+        Args:
+            coefficients: The set.
+            departures: Of the set.
+            exposure_us: Of the lines.
+            seen: Under what conditions the lines were taken.
+            follows: Of the block before; None where the sensor is taken to have rested.
+        """
+        self._chain = _chain(coefficients, departures, exposure_us)
+        self._per_light = self._chain.response.slope * exposure_us
+        self._exposure_us, self._seen = exposure_us, seen
+        self._highest = coefficients.domain.radiance[1]
+        self._follows, self._n_before, self._started = follows, 0, False
+        self._left: Left | None = None
+        self.notes = seen.notes
+
+    @classmethod
+    def of(
+        cls,
+        coefficients: CoefficientSet,
+        exposure_us: float,
+        camera: CameraHeader,
+        *,
+        at: datetime | None,
+        temperature_c: float | None,
+        follows: "Inversion | None",
+    ) -> "Inversion | None":
+        """Return what takes the set's departures out of lines; None where it has none."""
+        told = coefficients.departures
+        if told is None:
+            return None
+        seen = SeenAt.of(coefficients, told, camera, at=at, temperature_c=temperature_c)
+        return cls(coefficients, told, exposure_us, seen, follows)
+
+    @property
+    def left(self) -> Left | None:
+        """What the lines until now leave in the pixels."""
+        if not self._started and self._follows is not None:
+            return self._follows.left
+        return self._left
+
+    def lines(self, dn: RawLines) -> Inverted:
+        """Return the next lines in light."""
+        at = self._at(self.left, self._n_before, len(dn))
+        inverted, self._left = self._inverted(dn.astype(np.float64), at)
+        self._started, self._n_before = True, self._n_before + len(dn)
+        return inverted
+
+    def noise_ratio(self, signal_dn: Floats) -> Floats:
+        """Return the temporal variance of inverted lines over that of the response's own."""
+        signal, ratio = self._noise_ratios
+        return np.asarray(np.interp(signal_dn, signal, ratio))
+
+    def _at(self, before: Left | None, first: int, n_lines: int) -> Conditions:
+        seen = self._seen
+        lines = np.arange(first, first + n_lines, dtype=np.float64)
+        return Conditions(
+            exposure_us=self._exposure_us,
+            line_period_us=seen.line_period_us,
+            line_times_s=seen.time_s + lines * (seen.line_period_us * 1e-6),
+            sensor_temperature_c=seen.temperature_c,
+            gain_db=seen.gain_db,
+            before=before,
+        )
+
+    def _inverted(self, dn: Floats, at: Conditions) -> tuple[Inverted, Left | None]:
+        per_light, dark = self._per_light, self._chain.response.dark_dn
+        light = (dn - dark) / per_light
+        best, nearest = light, np.full(dn.shape, np.inf)
+        shrinks = np.ones(dn.shape, np.bool_)
+        for _ in range(ROUNDS):
+            expected, left = self._chain.expected(light, at)
+            error = dn - expected
+            far = np.abs(error)
+            shrinks &= far < SHRINKS_BY * nearest
+            best = np.where(far < nearest, light, best)
+            nearest = np.minimum(far, nearest)
+            if not (shrinks & (far > SETTLED_DN)).any():
+                break
+            light = np.where(shrinks, light + error / per_light, best)
+        unreached = (nearest > UNREACHED_DN) & (dn > dark)
+        return Inverted(best * per_light, unreached), left
+
+    @cached_property
+    def _noise_ratios(self) -> tuple[Columns, Columns]:
+        """Return signals, ascending, and the ratio of variances at each, (_STEPS,) each.
+
+        Uniform lines are drawn from the same random numbers with and without departures, the former
+        inverted; pooled over columns.
+        """
+        n_columns = len(self._per_light)
+        at = self._at(None, 0, max(_FEWEST_DRAWN, _SAMPLES_DRAWN // n_columns))
+        plain = replace(self._chain, departures=())
+        signals, ratios = [], []
+        for share in np.linspace(0.0, 1.0, _STEPS):
+            light = np.asarray(share * self._highest)
+            drawn = np.asarray(self._chain.drawn(light, at, [0]), np.float64)
+            inverted, _ = self._inverted(drawn, at)
+            found = inverted.signal_dn.var(axis=0, ddof=1).mean()
+            without = plain.drawn(light, at, [0]).var(axis=0, ddof=1).mean()
+            signals.append(float(np.median(share * self._highest * self._per_light)))
+            ratios.append(float(found / without) if without > 0 else 1.0)
+        return np.array(signals), np.array(ratios)
+
+
+def _chain(coefficients: CoefficientSet, departures: Departures, exposure_us: float) -> FittedChain:
+    slope = np.where(coefficients.valid, coefficients.slope, np.nan)
+    of_camera = [d for d in departures.departures if d.stage > Stage.SOURCE]
+    return FittedChain(
+        tuple(of_camera),
+        departures.vignette,
+        departures.gain,
+        Response.filled(slope, coefficients.dark_level_dn(exposure_us)),
+        (ShotNoise(), ReadNoise(coefficients.read_noise_e)),
+    )
+
+
+def remembers(coefficients: CoefficientSet) -> bool:
+    """Return whether what the set takes out of lines depends on lines before them."""
+    if coefficients.departures is None:
+        return False
+    known = coefficients.departures.departures
+    return any(isinstance(d, Remembering) and moves_mean(d) for d in known)
