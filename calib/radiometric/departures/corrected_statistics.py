@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.errors import NotDeterminedError
 from calib.forward.effects.read_noise import ReadNoise
 from calib.forward.effects.shot_noise import ShotNoise
 from calib.forward.effects.system_gain import SystemGain
@@ -56,6 +57,23 @@ class Corrected:
 
 
 @dataclass(frozen=True)
+class Settled:
+    """Where response and departures agree.
+
+    Attributes:
+        parts: The usual estimation of what is left.
+        lit: The blocks with that response and their light.
+        expected: Of each block.
+        shift_dn: What departures add to the means, (n_blocks, n_columns).
+    """
+
+    parts: Parts
+    lit: tuple[LitBlock, ...]
+    expected: tuple[ExpectedBlock, ...]
+    shift_dn: Cells
+
+
+@dataclass(frozen=True)
 class _Observed:
     """What does not change from round to round."""
 
@@ -65,10 +83,6 @@ class _Observed:
     choices: Choices
     blocks: tuple[RecordedBlock, ...]
     held_out_every: int
-
-    @property
-    def mean_dn(self) -> Cells:
-        return np.array([s.mean_dn for s in self.statistics.fit])
 
 
 def corrected_statistics(
@@ -80,36 +94,56 @@ def corrected_statistics(
     held_out_every: int,
     start_dn: Cells | None = None,
 ) -> Corrected:
-    """Take the model's departures out of block means and variances.
+    """Take the model's departures out of block means and variances; arguments as of `settle`."""
+    settled = settle(
+        statistics, header, model, choices, held_out_every=held_out_every, start_dn=start_dn
+    )
+    ratio = _variance_ratio(settled.lit, settled.expected)
+    fit = without_shift(statistics.fit, settled.shift_dn, ratio, settled.parts)
+    rows = [k for k, s in enumerate(statistics.fit) if _held(statistics, s) is not None]
+    held = without_shift(statistics.held_out, settled.shift_dn[rows], ratio[rows], settled.parts)
+    return Corrected(RecordingStatistics(fit, held), settled.shift_dn)
+
+
+def settle(
+    statistics: RecordingStatistics,
+    header: RecordingHeader,
+    model: Model,
+    choices: Choices,
+    *,
+    held_out_every: int,
+    start_dn: Cells | None = None,
+) -> Settled:
+    """Find the response and what departures add to the means around it.
 
     Args:
         statistics: Of the recording.
         header: Of the recording.
-        model: Its departures, its system gain and its noise are used, not its response.
+        model: Its departures, its lens, its system gain and its noise are used, not its response.
         choices: As for `determine`.
         held_out_every: How lines were split.
         start_dn: The shift to start from; that of nearly the same model saves rounds.
 
     Raises:
-        InputError, NotDeterminedError: As `determine`; `line-period-missing`.
+        InputError: As `determine`; `line-period-missing`.
+        NotDeterminedError: As `determine`; `departures-too-strong`.
     """
     seen = _observed(statistics, header, model, choices, held_out_every)
-    shift = np.zeros_like(seen.mean_dn) if start_dn is None else start_dn
-    ones = np.ones_like(shift)
+    error = np.sqrt(np.array([s.variance_dn2 / s.n_lines for s in statistics.fit]))
+    shift = np.zeros_like(error) if start_dn is None else start_dn
     for _ in range(ROUNDS):
-        parts = _parts(seen, without_shift(statistics.fit, shift, ones, None))
+        parts = _parts(seen, without_shift(statistics.fit, shift, np.ones_like(shift), None))
         lit = _lit_blocks(seen, parts)
         expected = tuple(expected_blocks(lit, held_out_every))
         last, shift = shift, _shift(lit, expected)
-        error = np.sqrt(np.array([s.variance_dn2 / s.n_lines for s in statistics.fit]))
         moved = (shift - last)[error > 0] / error[error > 0]
         if np.sqrt(np.mean(moved**2)) < SETTLED_SIGMA:
-            break
-    ratio = _variance_ratio(lit, expected)
-    fit = without_shift(statistics.fit, shift, ratio, parts)
-    rows = [k for k, s in enumerate(statistics.fit) if _held(statistics, s) is not None]
-    held = without_shift(statistics.held_out, shift[rows], ratio[rows], parts)
-    return Corrected(RecordingStatistics(fit, held), shift)
+            return Settled(parts, lit, expected, shift)
+    raise NotDeterminedError(
+        "The model's departures change the signal so much that no response settles beside them: "
+        "check their parameters.",
+        code="departures-too-strong",
+    )
 
 
 def _observed(
