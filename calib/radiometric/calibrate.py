@@ -96,6 +96,7 @@ def calibrate(
     )
     header = _in_unit(recording.header, radiance_unit)
     added: dict[str, Columns] = {}
+    cleared = None
     if model is None:
         determined = determine(statistics, header, provenance, choices)
     else:
@@ -107,7 +108,7 @@ def calibrate(
             s.block.block: s.mean_dn - w.mean_dn
             for s, w in zip(statistics.held_out, without.statistics.held_out, strict=True)
         }
-        statistics = without.statistics
+        cleared = statistics = without.statistics
     judged = _judge(recording, statistics, determined, held_out_every, added)
     found = determined.coefficients
     # The digest is a few frames behind, and had until now to catch up.
@@ -118,6 +119,7 @@ def calibrate(
         uniformity=judged,
         figures=determined.figures,
         warnings=(*recording.warnings, *determined.warnings),
+        without_departures=cleared,
     )
 
 

@@ -10,6 +10,7 @@ from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.estimation.dark_comparison import DarkComparison
 from calib.radiometric.estimation.order_choice import OrderChoice
 from calib.radiometric.uniformity import Uniformity
+from calib.recording.block_statistics import RecordingStatistics
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,8 @@ class Calibration:
         uniformity: Before and after, on held-out lines; None where there are none.
         figures: Numbers for the report.
         warnings: What a bench operator should know, one sentence each.
+        without_departures: The statistics that the set was made from, where those of a model were
+            taken out of the recording's; None where they are the recording's.
     """
 
     coefficients: CoefficientSet
@@ -60,10 +63,11 @@ class Calibration:
     uniformity: Uniformity | None
     figures: CalibrationFigures
     warnings: tuple[str, ...]
+    without_departures: RecordingStatistics | None = None
 
     def answer(self) -> dict[str, Any]:
         """Return what `darkflat calibrate --json` prints; an unknown number is None."""
-        summary = self.coefficients.summary()
+        summary, told = self.coefficients.summary(), self.coefficients.departures
         keep = (
             "coefficient_set", "columns", "valid_columns", "masked", "vignette_order",
             "axis_column", "axis_column_std", "edge_fall_percent", "responsivity_at_axis",
@@ -82,6 +86,7 @@ class Calibration:
             **self._variation(),
             "prnu_percent": self.figures.prnu_percent,
             "vignette_order_by_residual": self.figures.order_choice.by_residual,
+            "departures": None if told is None else told.taken_out,
             "warnings": list(self.warnings),
         }
 

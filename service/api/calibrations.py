@@ -46,6 +46,11 @@ class CalibrationRequest(BaseModel):
     order: int | None = Field(default=None, ge=2, le=20, description="Of the vignette.")
     darks_required: bool = True
     tone: ToneRequest | None = None
+    model: str | None = Field(
+        default=None,
+        max_length=1 << 24,
+        description="A model file's text: its departures are taken out of the calibration.",
+    )
     by: str = Field(default="", max_length=200)
 
 
@@ -60,6 +65,10 @@ def start_calibration(
     """Queue a calibration; follow it at the `Location`. Its set is added as a draft."""
     if wanted.tone is not None:
         wanted.tone.check()
+    if wanted.model is not None:
+        from calib.forward.model import Model  # noqa: PLC0415  (slow to import)
+
+        Model.loads(wanted.model)
     recording = store.recordings.get(wanted.recording)
     scratch = settings.work_folder / f"calibration-{uuid.uuid4().hex}"
     out = scratch / "coefficient-set.h5"

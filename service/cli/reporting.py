@@ -13,6 +13,11 @@ from calib.recording.tone import Tone
 def write_calibration_report(
     path: Path, recording: Recording, calibration: Calibration, tone: Tone | None = None
 ) -> None:
-    """Write the self-contained HTML report; the recording is read once more for its figures."""
-    statistics = column_statistics(recording, tone=tone, held_out_every=HELD_OUT_EVERY)
+    """Write the self-contained HTML report; the recording is read once more for its figures.
+
+    Not so where departures were taken out: the figures then show what is left of it.
+    """
+    statistics = calibration.without_departures or column_statistics(
+        recording, tone=tone, held_out_every=HELD_OUT_EVERY
+    )
     write_report(path, recording, calibration, statistics)

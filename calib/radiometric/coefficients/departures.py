@@ -1,6 +1,6 @@
 """What a coefficient set says of departures: what was taken out of it is taken out of lines."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,7 +31,7 @@ class Departures:
     cannot_be_undone: tuple[str, ...] = ()
 
     @classmethod
-    def tables(cls, effects: tuple[Effect, ...]) -> dict[str, dict[str, Any]]:
+    def tables(cls, effects: Iterable[Effect]) -> dict[str, dict[str, Any]]:
         """Return the parameters of effects by name."""
         return {effect.name: to_table(effect) for effect in effects}
 
@@ -39,6 +39,11 @@ class Departures:
     def departures(self) -> tuple[Departure, ...]:
         """The departures themselves."""
         return tuple(e for e in self._built() if isinstance(e, Departure))
+
+    @property
+    def taken_out(self) -> dict[str, dict[str, Any]]:
+        """Their parameters by name, without those of the lens and the system gain."""
+        return self.tables(self.departures)
 
     @property
     def gain(self) -> SystemGain:

@@ -81,7 +81,7 @@ class Inversion:
             seen: Under what conditions the lines were taken.
             follows: Of the block before; None where the sensor is taken to have rested.
         """
-        self._chain = _chain(coefficients, departures, exposure_us)
+        self._chain = _chain(coefficients, departures, exposure_us, seen.gain_db)
         self._per_light = self._chain.response.slope * exposure_us
         self._exposure_us, self._seen = exposure_us, seen
         self._highest = coefficients.domain.radiance[1]
@@ -178,13 +178,16 @@ class Inversion:
         return np.array(signals), np.array(ratios)
 
 
-def _chain(coefficients: CoefficientSet, departures: Departures, exposure_us: float) -> FittedChain:
+def _chain(
+    coefficients: CoefficientSet, departures: Departures, exposure_us: float, gain_db: float
+) -> FittedChain:
     slope = np.where(coefficients.valid, coefficients.slope, np.nan)
     of_camera = [d for d in departures.departures if d.stage > Stage.SOURCE]
     return FittedChain(
         tuple(of_camera),
         departures.vignette,
         departures.gain,
+        gain_db,
         Response.filled(slope, coefficients.dark_level_dn(exposure_us)),
         (ShotNoise(), ReadNoise(coefficients.read_noise_e)),
     )

@@ -23,6 +23,8 @@ from calib.radiometric.estimation.from_statistics import Determined, determine
 from calib.recording.block_statistics import RecordingStatistics
 from calib.recording.header import RecordingHeader
 
+GAIN_SIGMA = 5.0
+"""A system gain that is off by so many of its standard uncertainties is not by chance."""
 _STDS = {
     "dark_offset_dn": "dark_offset_dn_std",
     "slope": "slope_std",
@@ -87,8 +89,20 @@ def amended(
     shifts = list(_shifts_of_parameters(case, model, corrected, found.coefficients, provenance))
     coefficients = _widened(found.coefficients, shifts)
     carrying = replace(coefficients, departures=_departures(model, statistics, header))
-    warnings = (*findings, *found.warnings)
+    warnings = (*findings, *_gain_findings(model, coefficients), *found.warnings)
     return Amended(replace(found, coefficients=carrying, warnings=warnings), corrected.statistics)
+
+
+def _gain_findings(model: Model, found: CoefficientSet) -> Iterator[str]:
+    """Yield a sentence where the model's system gain is not the recording's."""
+    gain = model.truth().system_gain_dn_per_e
+    std = found.system_gain_dn_per_e_std
+    if abs(gain - found.system_gain_dn_per_e) > GAIN_SIGMA * std:
+        yield (
+            f"The model's system gain is {gain:.4g} DN/e-, that of the recording without its "
+            f"departures {found.system_gain_dn_per_e:.4g} ± {std:.2g}: what is stated in electrons "
+            "is off by as much. Give a model that was fitted to this camera."
+        )
 
 
 def _departures(

@@ -191,17 +191,19 @@ def _lit_blocks(seen: _Observed, parts: Parts) -> tuple[LitBlock, ...]:
         elif one.block.kind == "scene":
             above = observed.mean_dn - response.dark_dn
             light = np.maximum(above, 0.0) / (response.slope * t)
-        lit.append(LitBlock(one, _chain(seen.model, response), light))
+        lit.append(LitBlock(one, _chain(seen, response), light))
     return tuple(lit)
 
 
-def _chain(model: Model, response: Response) -> FittedChain:
+def _chain(seen: _Observed, response: Response) -> FittedChain:
+    model = seen.model
     vignette, gain = model.effect("vignette"), model.effect("system_gain")
     noise = [e for e in model.effects if isinstance(e, ShotNoise | ReadNoise)]
     return FittedChain(
         carried(model.effects),
         vignette if isinstance(vignette, Vignette) else Vignette(),
         gain if isinstance(gain, SystemGain) else SystemGain(1.0),
+        seen.header.camera.gain_db,
         response,
         tuple(noise),
     )

@@ -6,6 +6,7 @@ place of the model's, so that what a departure does is written once.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 from zlib import crc32
 
@@ -80,6 +81,7 @@ class FittedChain:
         departures: As `carried` returns them.
         vignette: The model's, before which some departures act and behind which others.
         gain: Turns electrons into DN.
+        gain_db: As the camera is set.
         response: Of the columns at the exposure of the lines.
         noise: Shot and read noise, for `scatter`.
     """
@@ -87,6 +89,7 @@ class FittedChain:
     departures: tuple[Departure, ...]
     vignette: Vignette
     gain: SystemGain
+    gain_db: float
     response: Response
     noise: tuple[Effect, ...] = ()
 
@@ -95,9 +98,9 @@ class FittedChain:
 
         Args:
             light: Radiance, (n_lines, n_columns), or anything that broadcasts to it.
-            at: Their conditions; gain_db as the camera is set, black level 0: it is in DN0.
+            at: Their conditions, with the camera's gain; the black level 0, as it is in DN0.
         """
-        links = self._links([_exact(e) for e in self.departures if moves_mean(e)], at)
+        links = self._links([_exact(e) for e in self.departures if moves_mean(e)])
         dn, left = run_on(links, self._lines(light, at), at, Moments(0, noise=0.0))
         return dn, None if left is None else replace(left, drawn=False)
 
@@ -109,22 +112,26 @@ class FittedChain:
         """
         signal: Lines = self._lines(light, at)
         entered = Stage.SOURCE
-        for link in self._links((*self.departures, *self.noise), at):
+        for link in self._links((*self.departures, *self.noise)):
             rng = Moments([*seed, crc32(link.name.encode())], noise=1.0)
             signal, _ = run_on((link,), signal, at, rng, entered=entered)
             entered, at = max(entered, link.stage), link.conditions_after(at)
         return signal
 
-    def _links(self, around: Sequence[Effect], at: Conditions) -> list[Effect]:
-        """Return the chain in physical order, the response in it."""
+    @cached_property
+    def _response(self) -> tuple[Effect, ...]:
+        """Return the links that make the response: lens, electrons, system gain, offset."""
         sample = self.response.slope.shape
-        shaded = self.vignette.profile(sample) * self.gain.pixels(sample, at.gain_db)
+        shaded = self.vignette.profile(sample) * self.gain.pixels(sample, self.gain_db)
         electrons = self.response.slope / shaded
         mean = float(electrons.mean())
         prnu: Any = tuple((electrons / mean).tolist())
         dark: Any = tuple(self.response.dark_dn.tolist())
-        response = (Responsivity(mean, prnu=prnu), Offset(pattern_dn=dark))
-        return sorted((*around, self.vignette, self.gain, *response), key=place_of)
+        return self.vignette, Responsivity(mean, prnu=prnu), self.gain, Offset(pattern_dn=dark)
+
+    def _links(self, around: Sequence[Effect]) -> list[Effect]:
+        """Return the chain in physical order, the response in it."""
+        return sorted((*around, *self._response), key=place_of)
 
     def _lines(self, light: Lines, at: Conditions) -> NDArray[np.float64]:
         shape = (at.n_lines, len(self.response.slope))

@@ -27,6 +27,12 @@ def lead(calibration: Calibration) -> tuple[str, ...]:
         f"is known to ±{2 * relative:.2g} % (k = 2), of which ±{200 * found.scale_relative_std:.2g}"
         " % is the radiance scale's."
     ]
+    if found.departures is not None:
+        names = ", ".join(found.departures.taken_out)
+        sentences.append(
+            f"What the model says of {names} was taken out of the recording, and is taken out of "
+            "lines that this set corrects."
+        )
     if seen is not None:
         sentences.append(
             f"A uniform source varied by {seen.before:.2f} % along the columns after the vignette "
@@ -61,6 +67,15 @@ def facts(calibration: Calibration) -> Rows:
     return tuple(rows)
 
 
+def _departures(found: CoefficientSet) -> str:
+    """Return the names of what was taken out, with its numbers."""
+    told = found.departures.taken_out if found.departures else {}
+    return "; ".join(
+        f"{name} ({', '.join(f'{k} {v:g}' for k, v in table.items() if isinstance(v, float))})"
+        for name, table in told.items()
+    )
+
+
 def _gain(found: CoefficientSet) -> str:
     return f"{_with_std(found.system_gain_dn_per_e, found.system_gain_dn_per_e_std)} DN/e⁻"
 
@@ -91,6 +106,7 @@ def provenance(found: CoefficientSet) -> Rows:
         ("Parameters", parameters),
         ("Radiance standard", source.radiance_standard),
         ("Certificate", source.certificate),
+        *((("Taken out", _departures(found)),) if found.departures else ()),
         ("Software", f"darkflat {source.software_version}"),
     )
     return tuple((name, value or "not stated") for name, value in rows)

@@ -17,6 +17,7 @@ def calibrate(request: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
 
     The folder of `out_path` is the job's own and is made here.
     """
+    from calib.forward.model import Model  # noqa: PLC0415
     from calib.radiometric.calibrate import calibrate as determine  # noqa: PLC0415
     from calib.recording.open import open_recording  # noqa: PLC0415
     from calib.recording.tone import Tone  # noqa: PLC0415
@@ -30,6 +31,7 @@ def calibrate(request: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
         order=request["order"],
         darks_required=request["darks_required"],
         tone=tone and Tone(**tone),
+        model=Model.loads(request["model"]) if request.get("model") else None,
         progress=tell,
     )
     calibration.coefficients.save(out)

@@ -56,6 +56,14 @@ def calibrate(
         bool,
         typer.Option("--ignore-monitor", help="Do not correct the light by what the monitor read"),
     ] = False,
+    model: Annotated[
+        Path | None,
+        path_option(
+            metavar="MODEL.toml",
+            help="Take out what this model of the camera has beside the plain response, such as"
+            " lag: of the calibration, and of all lines that the set corrects",
+        ),
+    ] = None,
     order: Annotated[
         int | None, typer.Option(min=2, max=20, help="Of the vignette; chosen where not given")
     ] = None,
@@ -83,6 +91,7 @@ def calibrate(
         only_spectra=(certificate_std, response_correlation_nm or None),
     )
     with answering(json) as answer:
+        from calib.forward.model import Model  # noqa: PLC0415
         from calib.radiometric.calibrate import calibrate as determine  # noqa: PLC0415
         from calib.recording.open import open_recording  # noqa: PLC0415
         from calib.recording.tone import Tone  # noqa: PLC0415
@@ -93,6 +102,7 @@ def calibrate(
         if store:
             _check_store()
         check_report(report)
+        known_model = None if model is None else Model.named(str(model))
         opened = open_recording(recording)
         known_tone = Tone(*tone) if tone else None
         known = level_radiances(
@@ -115,6 +125,7 @@ def calibrate(
                 relative=relative,
                 darks_required=not no_darks,
                 monitor="ignore" if ignore_monitor else "use",
+                model=known_model,
                 progress=share_of(tell, "statistics of every column"),
             )
         with _report(report, opened, calibration, known_tone):
@@ -186,6 +197,7 @@ def show_calibration(console: "Console", told: dict[str, Any]) -> None:
             "scatter along the line": f"{number(told['cov_before_percent'])} % before,"
             f" {number(told['cov_after_percent'])} % after",
             "reduced χ²": number(told["reduced_chi_squared"]),
+            **({"taken out": ", ".join(told["departures"])} if told["departures"] else {}),
         },
     )
     for warning in told["warnings"]:

@@ -9,6 +9,10 @@ from tests.test_bad_input.damage import frames, removed, replaced, rows, several
 CALIBRATE = "calibrate rec --out out.h5"
 CSV, TOML = "rec/conditions.csv", "rec/recording.toml"
 
+WITH_MODEL = f"{CALIBRATE} --model model.toml"
+MODEL = "model.toml"
+FITS = replaced(MODEL, "columns = 1024", "columns = 64")
+"""A model of the camera that made the recording."""
 WITH_TABLE = f"{CALIBRATE} --radiances radiances.csv"
 
 CASES = (
@@ -23,6 +27,17 @@ CASES = (
     Case("an area sensor", CALIBRATE, "area-sensor", ("rec", "area sensor"), "give a recording of a line sensor", several(frames(lambda dn: dn.reshape(16, 4, 64)), replaced(TOML, "columns = 64", "columns = 64\nrows = 4"), lambda folder: (folder / CSV).write_text((folder / CSV).read_text().replace(",64,", ",16,")))),
     Case("sums alone, no frames", CALIBRATE, "frames-missing", ("rec", "statistics.csv"), "this needs frames/000.npy", several(removed("rec/frames"), written("rec/statistics.csv", "block,samples,mean_dn,variance_dn2\n" + "".join(f"00{k},4096,100,4\n" for k in range(9))))),
     Case("a recording to calibrate not found", "calibrate nowhere --out out.h5", "recording-not-found", ("nowhere",), "name an .h5 file"),
+    Case("a model of another width", WITH_MODEL, "model-mismatch", ("columns is 1024", "64"), "give the model of this camera"),
+    Case("a model of another bit depth", WITH_MODEL, "model-mismatch", ("bit_depth is 10", "12"), "give the model of this camera", several(FITS, lambda folder: (folder / MODEL).write_text((folder / MODEL).read_text().replace("bit_depth = 12", "bit_depth = 10")))),
+    Case("a model of another camera", WITH_MODEL, "model-mismatch", ("serial is 'D0002'",), "give the model of this camera", several(FITS, replaced(MODEL, 'serial = "D0001"', 'serial = "D0002"'))),
+    Case("a model in another unit of radiance", WITH_MODEL, "model-unit", ("'candela'",), "give both in one unit", several(FITS, replaced(MODEL, 'radiance_unit = "', 'radiance_unit = "candela'))),
+    Case("a model to calibrate with not found", f"{CALIBRATE} --model nowhere.toml", "unreadable", ("nowhere.toml",), "give a model file"),
+    Case("a model with an unknown departure", WITH_MODEL, "unknown-effect", ("'lagg'",), "lag", several(FITS, replaced(MODEL, "[effects.adc]", "[effects.lagg]\nshare = 0.01\n\n[effects.adc]"))),
+    Case("a model on a relative scale", f"{WITH_MODEL} --relative", "relative-with-model", ("relative scale",), "give the radiances", FITS),
+    Case("departures that nothing can be fitted beside", WITH_MODEL, "departures-too-strong", ("no response settles",), "check their parameters", several(FITS, replaced(MODEL, "[effects.adc]", "[effects.nonlinearity]\nbeta_per_dn = 0.01\n\n[effects.adc]"))),
+    Case("an uncertainty of an effect that the model lacks", WITH_MODEL, "effect-missing", (MODEL, "'lag'"), "give those of", several(FITS, replaced(MODEL, "[effects.adc]", "[uncertainty.lag]\nshare = 0.01\n\n[effects.adc]"))),
+    Case("an uncertainty of a parameter that there is not", WITH_MODEL, "unknown-key", (MODEL, "'std'"), "name one", several(FITS, replaced(MODEL, "[effects.adc]", "[uncertainty.read_noise]\nstd = 0.01\n\n[effects.adc]"))),
+    Case("a negative uncertainty", WITH_MODEL, "bad-uncertainty", (MODEL, "std_e = -1"), "give a number", several(FITS, replaced(MODEL, "[effects.adc]", "[uncertainty.read_noise]\nstd_e = -1.0\n\n[effects.adc]"))),
     Case("table of radiances not found", f"{CALIBRATE} --radiances nowhere.csv", "radiances-unreadable", ("nowhere.csv",), "give a table"),
     Case("table of radiances with text", WITH_TABLE, "radiances-unreadable", ("radiances.csv, line 2",), "write `level,radiance`", replaced("radiances.csv", "20.1", "bright")),
     Case("table of radiances with another heading", WITH_TABLE, "radiances-unreadable", ("radiances.csv",), "write `level,radiance`", replaced("radiances.csv", "level", "lamps")),

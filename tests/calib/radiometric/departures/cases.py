@@ -83,19 +83,27 @@ class Case:
         return MODEL.with_effect(self.effect)
 
     def with_values(self, values: Sequence[float]) -> Model:
-        """The model with these values of the fitted parameters."""
-        return MODEL.with_effect(
-            replace(self.effect, **dict(zip(self.fitted, map(float, values), strict=True)))
-        )
+        """The model with these values of the fitted parameters; of a tuple's, the last one."""
+        told = {}
+        for name, value in zip(self.fitted, map(float, values), strict=True):
+            known = getattr(self.effect, name)
+            told[name] = (*known[:-1], value) if isinstance(known, tuple) else value
+        return MODEL.with_effect(replace(self.effect, **told))
+
+    @property
+    def true_values(self) -> tuple[float, ...]:
+        """What a fit should find."""
+        known = (getattr(self.effect, name) for name in self.fitted)
+        return tuple(k[-1] if isinstance(k, tuple) else k for k in known)
 
 
 def _case(name: str, *fitted: str, by_covariance: bool = False, **values: object) -> Case:
     return Case(effect_named(name)(**values), fitted, by_covariance)
 
 
-_WARMING = {"time_constant_s": 2.0}
+_SETTLING = {"time_constant_s": 0.5}
 CASES = (
-    _case("lamp_drift", "amplitude", "time_constant_s", amplitude=0.03, **_WARMING),
+    _case("lamp_drift", "amplitude", "time_constant_s", amplitude=0.03, **_SETTLING),
     _case("level_nonadditivity", "loss_per_lamp", loss_per_lamp=0.005),
     _case("stray_light", "radiance", radiance=0.3),
     _case("exposure_offset", "offset_us", offset_us=1.0),
@@ -113,10 +121,10 @@ CASES = (
     _case("cti", "per_transfer", by_covariance=True, per_transfer=2e-4, partition_noise=0.0),
     _case("interpixel_capacitance", "column_coupling", by_covariance=True, column_coupling=0.02),
     _case("tap_crosstalk", "fraction", by_covariance=True, fraction=0.01),
-    _case("tap_gain_drift", amplitude=(0.0, 0.02), **_WARMING),
-    _case("gain_drift", "amplitude", "time_constant_s", amplitude=0.03, **_WARMING),
+    _case("tap_gain_drift", "amplitude", "time_constant_s", amplitude=(0.0, 0.02), **_SETTLING),
+    _case("gain_drift", "amplitude", "time_constant_s", amplitude=0.03, **_SETTLING),
     _case("nonlinearity", "beta_per_dn", beta_per_dn=1e-5),
-    _case("offset_drift", "amplitude_dn", "time_constant_s", amplitude_dn=10.0, **_WARMING),
+    _case("offset_drift", "amplitude_dn", "time_constant_s", amplitude_dn=10.0, **_SETTLING),
     _case("offset_temperature", "dn_per_k", dn_per_k=1.0),
     _case("adc_inl", "s_dn", "w_dn", s_dn=4.0),
 )

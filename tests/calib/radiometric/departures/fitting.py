@@ -25,7 +25,7 @@ from tests.calib.radiometric.in_memory import InMemory
 
 Floats = NDArray[np.float64]
 FIRST_LINES = 2
-DRAWN_LINES = 512
+DRAWN_LINES = 2048
 
 
 @dataclass
@@ -38,7 +38,7 @@ class Fit:
     def model(self) -> Model:
         """The model with the parameters that fit, started a fifth below the true ones."""
         told = parameters_of(type(self.case.effect))
-        true = np.array([getattr(self.case.effect, n) for n in self.case.fitted])
+        true = np.array(self.case.true_values)
         bounds = np.array([(told[n].low, told[n].high) for n in self.case.fitted]).T
         start = 0.8 * true
         found = least_squares(
