@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 from calib.forward.departure import Departure
@@ -10,6 +11,8 @@ from calib.forward.effects.catalogue import effect_named
 from calib.forward.effects.system_gain import SystemGain
 from calib.forward.effects.vignette import Vignette
 from calib.forward.parameter import from_table, to_table
+
+_INFINITY = "inf"
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,10 @@ class Departures:
     @classmethod
     def tables(cls, effects: Iterable[Effect]) -> dict[str, dict[str, Any]]:
         """Return the parameters of effects by name."""
-        return {effect.name: to_table(effect) for effect in effects}
+        return {
+            effect.name: {k: _for_json(v) for k, v in to_table(effect).items()}
+            for effect in effects
+        }
 
     @property
     def departures(self) -> tuple[Departure, ...]:
@@ -57,4 +63,14 @@ class Departures:
 
     def _built(self) -> list[Effect]:
         where = "coefficient set"
-        return [from_table(effect_named(n), t, f"{where}: {n}") for n, t in self.effects.items()]
+        tables = {n: {k: _from_json(v) for k, v in t.items()} for n, t in self.effects.items()}
+        return [from_table(effect_named(n), t, f"{where}: {n}") for n, t in tables.items()]
+
+
+def _for_json(value: Any) -> Any:
+    """Return a word for infinity, which JSON does not know."""
+    return _INFINITY if value == inf else value
+
+
+def _from_json(value: Any) -> Any:
+    return inf if value == _INFINITY else value

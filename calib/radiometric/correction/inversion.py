@@ -7,8 +7,8 @@ lines of a stretch together, what earlier lines left in the pixels in it. Depart
 by a small share, by which each round makes the error smaller. Those of the source (stage `source`)
 were the bench's, and are none of the scene's.
 
-A sample whose error does not shrink has no such light: above what the chain can read it is as good
-as saturated; below the dark level it keeps L_0 or what came nearest.
+A sample whose error stays has no such light, and keeps L_0. Above what the chain can read it is as
+good as saturated; below the dark level some departures have no meaning.
 """
 
 from dataclasses import dataclass, replace
@@ -33,7 +33,8 @@ from calib.recording.header import CameraHeader
 
 ROUNDS = 60
 SETTLED_DN = 1e-3
-SHRINKS_BY = 0.99
+SHRINKS_BY, PATIENCE = 0.99, 3
+"""An error that falls by less, in so many rounds one after the other, stays."""
 UNREACHED_DN = 0.5
 _SAMPLES_DRAWN = 1 << 16
 _FEWEST_DRAWN = 16
@@ -123,8 +124,9 @@ class Inversion:
 
     def noise_ratio(self, signal_dn: Floats) -> Floats:
         """Return the temporal variance of inverted lines over that of the response's own."""
-        signal, ratio = self._noise_ratios
-        return np.asarray(np.interp(signal_dn, signal, ratio))
+        signal, found, without = self._variances
+        seen, plain = (np.interp(signal_dn, signal, v) for v in (found, without))
+        return np.asarray(seen / plain)
 
     def _at(self, before: Left | None, first: int, n_lines: int) -> Conditions:
         seen = self._seen
@@ -140,42 +142,40 @@ class Inversion:
 
     def _inverted(self, dn: Floats, at: Conditions) -> tuple[Inverted, Left | None]:
         per_light, dark = self._per_light, self._chain.response.dark_dn
-        light = (dn - dark) / per_light
-        best, nearest = light, np.full(dn.shape, np.inf)
-        shrinks = np.ones(dn.shape, np.bool_)
+        start = light = (dn - dark) / per_light
+        last, slow = np.full(dn.shape, np.inf), np.zeros(dn.shape, np.int8)
+        stuck = np.zeros(dn.shape, np.bool_)
         for _ in range(ROUNDS):
             expected, left = self._chain.expected(light, at)
             error = dn - expected
             far = np.abs(error)
-            shrinks &= far < SHRINKS_BY * nearest
-            best = np.where(far < nearest, light, best)
-            nearest = np.minimum(far, nearest)
-            if not (shrinks & (far > SETTLED_DN)).any():
+            slow = np.where((far > SETTLED_DN) & (far > SHRINKS_BY * last), slow + 1, 0)
+            stuck |= slow == PATIENCE
+            if not ((far > SETTLED_DN) & ~stuck).any():
                 break
-            light = np.where(shrinks, light + error / per_light, best)
-        unreached = (nearest > UNREACHED_DN) & (dn > dark)
-        return Inverted(best * per_light, unreached), left
+            light, last = np.where(stuck, start, light + error / per_light), far
+        return Inverted(light * per_light, (far > UNREACHED_DN) & (dn > dark)), left
 
     @cached_property
-    def _noise_ratios(self) -> tuple[Columns, Columns]:
-        """Return signals, ascending, and the ratio of variances at each, (_STEPS,) each.
+    def _variances(self) -> tuple[Columns, Columns, Columns]:
+        """Return signals, ascending, and variances with and without departures, (_STEPS,) each.
 
         Uniform lines are drawn from the same random numbers with and without departures, the former
-        inverted; pooled over columns.
+        inverted; pooled over columns. Rounding's 1/12 is in both.
         """
         n_columns = len(self._per_light)
         at = self._at(None, 0, max(_FEWEST_DRAWN, _SAMPLES_DRAWN // n_columns))
         plain = replace(self._chain, departures=())
-        signals, ratios = [], []
+        rows = []
         for share in np.linspace(0.0, 1.0, _STEPS):
             light = np.asarray(share * self._highest)
             drawn = np.asarray(self._chain.drawn(light, at, [0]), np.float64)
             inverted, _ = self._inverted(drawn, at)
-            found = inverted.signal_dn.var(axis=0, ddof=1).mean()
-            without = plain.drawn(light, at, [0]).var(axis=0, ddof=1).mean()
-            signals.append(float(np.median(share * self._highest * self._per_light)))
-            ratios.append(float(found / without) if without > 0 else 1.0)
-        return np.array(signals), np.array(ratios)
+            both = (inverted.signal_dn, plain.drawn(light, at, [0]))
+            found, without = (v.var(axis=0, ddof=1).mean() + 1.0 / 12.0 for v in both)
+            rows.append((np.median(light * self._per_light), found, without))
+        signals, with_them, without_them = np.array(rows).T
+        return signals, with_them, without_them
 
 
 def _chain(

@@ -136,6 +136,8 @@ def settle(
         lit = _lit_blocks(seen, parts)
         expected = tuple(expected_blocks(lit, held_out_every))
         last, shift = shift, _shift(lit, expected)
+        if not np.abs(shift).max() < header.camera.full_scale_dn:
+            break
         moved = (shift - last)[error > 0] / error[error > 0]
         if np.sqrt(np.mean(moved**2)) < SETTLED_SIGMA:
             return Settled(parts, lit, expected, shift)

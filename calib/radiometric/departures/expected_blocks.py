@@ -21,7 +21,7 @@ from calib.radiometric.departures.recorded_blocks import RecordedBlock
 
 _SAMPLES_AT_ONCE = 1 << 20
 _SAMPLES_DRAWN = 1 << 17
-_FEWEST_DRAWN, _MOST_DRAWN = 32, 1024
+_FEWEST_DRAWN, _MOST_DRAWN = 32, 512
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,40 @@
+"""System gain and read noise of recordings whose variances departures have changed."""
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from calib.forward.effect import Effect
+from calib.forward.effects.catalogue import effect_named
+from calib.radiometric.calibrate import calibrate
+from calib.radiometric.coefficients.coefficient_set import CoefficientSet
+from tests.calib.radiometric.departures.cases import MODEL, recording
+
+RECORDINGS = 3
+CHANGE_VARIANCES = (
+    effect_named("interpixel_capacitance")(column_coupling=0.03),
+    effect_named("lag")(share=0.03, partition_noise=0.0),
+    effect_named("heavy_tailed_noise")(share=0.05, std_e=50.0),
+)
+
+
+def z_of_noise(found: CoefficientSet) -> tuple[float, float]:
+    truth = MODEL.truth()
+    gain = found.system_gain_dn_per_e - truth.system_gain_dn_per_e
+    read = found.read_noise_e - truth.read_noise_e
+    return gain / found.system_gain_dn_per_e_std, read / found.read_noise_e_std
+
+
+@pytest.mark.parametrize("effect", CHANGE_VARIANCES, ids=lambda e: e.name)
+def test_gain_and_read_noise_are_the_sensors(effect: Effect) -> None:
+    model, rng = MODEL.with_effect(effect), default_rng()
+    z, plain = [], []
+    for _ in range(RECORDINGS):
+        recorded = recording(model, rng)
+        z.append(z_of_noise(calibrate(recorded, model=model).coefficients))
+        with np.errstate(all="ignore"):  # curves of photon transfer that bend as no sensor's does
+            plain.append(z_of_noise(calibrate(recorded).coefficients))
+    # The draws of common random numbers are few, and add a fifth of the recording's own variance.
+    bound = 4.0 * np.sqrt(1.2 / RECORDINGS)
+    assert (np.abs(np.mean(z, axis=0)) < bound).all()
+    assert np.abs(np.mean(plain, axis=0)).max() > bound
