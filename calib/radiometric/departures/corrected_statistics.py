@@ -16,20 +16,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.arrays import Columns
 from calib.errors import NotDeterminedError
-from calib.forward.effects.read_noise import ReadNoise
-from calib.forward.effects.shot_noise import ShotNoise
-from calib.forward.effects.system_gain import SystemGain
-from calib.forward.effects.vignette import Vignette
 from calib.forward.model import Model
 from calib.radiometric.departures.code_statistics import without_shift
 from calib.radiometric.departures.expected_blocks import (
     ExpectedBlock,
     LitBlock,
+    block_noise,
     expected_blocks,
-    noise_variances,
 )
-from calib.radiometric.departures.fitted_chain import FittedChain, Response, carried
+from calib.radiometric.departures.lit_blocks import lit_blocks
 from calib.radiometric.departures.recorded_blocks import RecordedBlock, recorded_blocks
 from calib.radiometric.estimation.block_table import BlockTable, Cells
 from calib.radiometric.estimation.choices import Choices, no_flats
@@ -50,10 +47,13 @@ class Corrected:
     Attributes:
         statistics: Of the lines to fit, and of those held out.
         shift_dn: What departures add to the means, (n_blocks, n_columns).
+        shared_noise: Share of a block's variance that all columns of a line have in common,
+            (n_blocks,).
     """
 
     statistics: RecordingStatistics
     shift_dn: Cells
+    shared_noise: Columns
 
 
 @dataclass(frozen=True)
@@ -98,11 +98,11 @@ def corrected_statistics(
     settled = settle(
         statistics, header, model, choices, held_out_every=held_out_every, start_dn=start_dn
     )
-    ratio = _variance_ratio(settled.lit, settled.expected)
+    ratio, shared = _variances(settled.lit, settled.expected)
     fit = without_shift(statistics.fit, settled.shift_dn, ratio, settled.parts)
     rows = [k for k, s in enumerate(statistics.fit) if _held(statistics, s) is not None]
     held = without_shift(statistics.held_out, settled.shift_dn[rows], ratio[rows], settled.parts)
-    return Corrected(RecordingStatistics(fit, held), settled.shift_dn)
+    return Corrected(RecordingStatistics(fit, held), settled.shift_dn, shared)
 
 
 def settle(
@@ -133,7 +133,7 @@ def settle(
     shift = np.zeros_like(error) if start_dn is None else start_dn
     for _ in range(ROUNDS):
         parts = _parts(seen, without_shift(statistics.fit, shift, np.ones_like(shift), None))
-        lit = _lit_blocks(seen, parts)
+        lit = lit_blocks(seen.blocks, statistics.fit, parts, model, header.camera.gain_db)
         expected = tuple(expected_blocks(lit, held_out_every))
         last, shift = shift, _shift(lit, expected)
         if not np.abs(shift).max() < header.camera.full_scale_dn:
@@ -177,40 +177,6 @@ def _parts(seen: _Observed, fit: Sequence[BlockStatistics]) -> Parts:
     return find_parts(flats, darks, groups, seen.header, seen.choices)
 
 
-def _lit_blocks(seen: _Observed, parts: Parts) -> tuple[LitBlock, ...]:
-    """Return the blocks with the light and the response that `parts` found."""
-    estimate, scale = parts.estimate, parts.scale.radiance_of_reference
-    slope = estimate.fit.slope / scale
-    x_us = iter(estimate.fit.x_us.tolist())
-    lit = []
-    for one, observed in zip(seen.blocks, seen.statistics.fit, strict=True):
-        t = one.block.exposure_us
-        response = Response.filled(slope, estimate.fit.offset + estimate.current.dn_per_us * t)
-        light = np.zeros(len(slope))
-        if one.block.kind == "flat" and observed.n_lines:
-            radiance = next(x_us) / t * scale
-            light += radiance if np.isfinite(radiance) else (one.block.radiance or 0.0)
-        elif one.block.kind == "scene":
-            above = observed.mean_dn - response.dark_dn
-            light = np.maximum(above, 0.0) / (response.slope * t)
-        lit.append(LitBlock(one, _chain(seen, response), light))
-    return tuple(lit)
-
-
-def _chain(seen: _Observed, response: Response) -> FittedChain:
-    model = seen.model
-    vignette, gain = model.effect("vignette"), model.effect("system_gain")
-    noise = [e for e in model.effects if isinstance(e, ShotNoise | ReadNoise)]
-    return FittedChain(
-        carried(model.effects),
-        vignette if isinstance(vignette, Vignette) else Vignette(),
-        gain if isinstance(gain, SystemGain) else SystemGain(1.0),
-        seen.header.camera.gain_db,
-        response,
-        tuple(noise),
-    )
-
-
 def _shift(lit: Sequence[LitBlock], expected: Sequence[ExpectedBlock]) -> Cells:
     """Return F − F0, (n_blocks, n_columns)."""
     rows = []
@@ -221,12 +187,16 @@ def _shift(lit: Sequence[LitBlock], expected: Sequence[ExpectedBlock]) -> Cells:
     return np.array(rows)
 
 
-def _variance_ratio(lit: Sequence[LitBlock], expected: Sequence[ExpectedBlock]) -> Cells:
-    """Return V0 / V, 1 where there is no noise, (n_blocks, n_columns)."""
-    ratio = []
+def _variances(lit: Sequence[LitBlock], expected: Sequence[ExpectedBlock]) -> tuple[Cells, Columns]:
+    """Return V0 / V, 1 where there is no noise, (n_blocks, n_columns).
+
+    Also the share of V that all columns of a line have in common, (n_blocks,).
+    """
+    ratio, shared = [], []
     for k, (one, e) in enumerate(zip(lit, expected, strict=True)):
-        noise, without = noise_variances(one, e.before, k)
-        total = noise + e.line_variance_dn2
-        known = (total > 0) & (without > 0)
-        ratio.append(np.divide(without, total, out=np.ones_like(total), where=known))
-    return np.array(ratio)
+        noise = block_noise(one, e.before, k)
+        total = noise.with_departures + e.line_variance_dn2
+        known = (total > 0) & (noise.without > 0)
+        ratio.append(np.divide(noise.without, total, out=np.ones_like(total), where=known))
+        shared.append(noise.shared / max(float(total.mean()), 1e-300))
+    return np.array(ratio), np.array(shared)

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.arrays import Columns
 from calib.forward.conditions import Conditions
@@ -84,8 +85,23 @@ def _expected(lit: LitBlock, before: Left | None, held_out_every: int) -> Expect
     return ExpectedBlock(start + away, np.maximum(variance, 0.0), before, left)
 
 
-def noise_variances(lit: LitBlock, before: Left | None, seed: int) -> tuple[Columns, Columns]:
-    """Return the noise of a block with and without its departures, DN^2, (n_columns,) each.
+@dataclass(frozen=True)
+class BlockNoise:
+    """Noise about the expectation, DN^2.
+
+    Attributes:
+        with_departures: (n_columns,).
+        without: (n_columns,).
+        shared: The part of the former that all columns of a line have in common.
+    """
+
+    with_departures: Columns
+    without: Columns
+    shared: float
+
+
+def block_noise(lit: LitBlock, before: Left | None, seed: int) -> BlockNoise:
+    """Return the noise of a block with and without its departures.
 
     Drawn are lines in the middle of the block, or all of it several times.
 
@@ -103,14 +119,15 @@ def noise_variances(lit: LitBlock, before: Left | None, seed: int) -> tuple[Colu
     at = lit.recorded.at(before, first, first + n_drawn)
     seeds = [[seed, k] for k in range(-(-wanted // n_drawn))]
     plain = replace(lit.chain, departures=())
-    with_them, without = (_scatter(c, lit.light, at, seeds) for c in (lit.chain, plain))
-    return with_them, without
+    seen, without = (_about_expectation(c, lit.light, at, seeds) for c in (lit.chain, plain))
+    variance = seen.var(axis=0, ddof=1)
+    shared = float(seen.mean(axis=1).var(ddof=1) - variance.mean() / len(variance))
+    return BlockNoise(variance, without.var(axis=0, ddof=1), max(shared, 0.0))
 
 
-def _scatter(
+def _about_expectation(
     chain: FittedChain, light: Columns, at: Conditions, seeds: Sequence[list[int]]
-) -> Columns:
-    """Return the variance about the expectation, DN^2, (n_columns,)."""
+) -> NDArray[np.float64]:
+    """Return drawn lines less what is expected of them, (n_drawn, n_columns)."""
     expected, _ = chain.expected(light, at)
-    about = np.concatenate([chain.drawn(light, at, seed) - expected for seed in seeds])
-    return np.asarray(about.var(axis=0, ddof=1))
+    return np.concatenate([np.asarray(chain.drawn(light, at, s)) - expected for s in seeds])

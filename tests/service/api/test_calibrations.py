@@ -11,6 +11,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from calib.errors import DarkflatError
+from calib.forward.effects.nonlinearity import Nonlinearity
 from calib.forward.model import Model
 from calib.radiometric.calibrate import calibrate
 from calib.recording.open import open_recording
@@ -120,6 +121,31 @@ def test_a_tone_is_removed_as_on_the_command_line(
     assert job["state"] == "succeeded", job["error"]
     assert job["result"]["responsivity_at_axis"]["value"] == pytest.approx(at_axis, rel=1e-9)
     assert job["request"]["tone"] == tone
+
+
+def test_a_models_departures_are_taken_out_as_on_the_command_line(
+    client: TestClient, digest: str, recording_file: Path
+) -> None:
+    recorded = open_recording(recording_file)
+    links = Model.preset("demo").with_effect(Nonlinearity(1e-5)).effects
+    model = Model(recorded.header.camera, recorded.header.source, links)
+    started = client.post(PLACE, json={"recording": digest, "model": model.dumps()})
+    job = ended(client, started.headers["Location"])
+    assert job["state"] == "succeeded", job["error"]
+    at_axis, plain = (
+        calibrate(recorded, model=m).answer()["responsivity_at_axis"]["value"]
+        for m in (model, None)
+    )
+    assert at_axis != pytest.approx(plain, rel=1e-4)
+    found = job["result"]["responsivity_at_axis"]["value"]
+    assert found == pytest.approx(at_axis, rel=1e-9)  # another process, the same steps
+    assert list(job["result"]["departures"]) == ["nonlinearity"]
+
+
+def test_a_model_that_cannot_be_starts_no_job(client: TestClient, digest: str) -> None:
+    answer = client.post(PLACE, json={"recording": digest, "model": "[effects.lagg]"})
+    assert answer.status_code == 422
+    assert client.get("/v1/jobs").json()["items"] == []
 
 
 def test_an_unknown_recording_is_not_found(client: TestClient) -> None:

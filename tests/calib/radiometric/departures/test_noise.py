@@ -15,6 +15,7 @@ CHANGE_VARIANCES = (
     effect_named("interpixel_capacitance")(column_coupling=0.03),
     effect_named("lag")(share=0.03, partition_noise=0.0),
     effect_named("heavy_tailed_noise")(share=0.05, std_e=50.0),
+    effect_named("line_noise")(std_dn=1.0),
 )
 
 
