@@ -27,12 +27,17 @@ MEAN_SQUARE_STD = np.sqrt(2.0 / COLUMNS)
 """Of z over one scene: phases of a column share its coefficients' error."""
 
 
-def z_of_means(found: CoefficientSet, seen: InMemory) -> np.ndarray:
+NOISE_OFF = 0.05
+"""How far the samples' own noise may be off: it is pooled over columns, and drawn anew."""
+
+
+def z_and_scatter(found: CoefficientSet, seen: InMemory) -> tuple[np.ndarray, np.ndarray]:
     """Errors of mean radiance by phase of the pattern and column, over what the set says of them.
 
-    Standard uncertainties are those of the samples, with their temporal part averaged.
+    Standard uncertainties are those of the samples, with their temporal part averaged. Also the
+    samples' variance over that part, by scene.
     """
-    z = []
+    z, scatter = [], []
     every = corrections_by_block(seen, found, ApplyOptions(), seen.header.blocks)
     for name, correction in every.items():
         lines = correction.lines(np.concatenate([*seen.frames(name)]))
@@ -42,9 +47,11 @@ def z_of_means(found: CoefficientSet, seen: InMemory) -> np.ndarray:
         )
         scale = correction.terms.scale
         shared = correction.terms.coefficient_variance_dn2(radiance / scale) * scale**2
-        variance = np.mean(std**2 - shared, axis=0) / len(radiance) + shared.mean(axis=0)
+        temporal = np.mean(std**2 - shared, axis=0)
+        scatter.append(np.mean(radiance.var(axis=0, ddof=1) / temporal))
+        variance = temporal / len(radiance) + shared.mean(axis=0)
         z.append((radiance.mean(axis=0) - scene_radiance(PATTERN_LINES)) / np.sqrt(variance))
-    return np.array(z)
+    return np.array(z), np.array(scatter)
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
@@ -53,8 +60,10 @@ def test_radiance_is_right_within_its_uncertainty(case: Case) -> None:
     recorded, seen = recording(case.model, rng), scenes(case.model, rng, SCENE_LINES)
     found = calibrate(recorded, model=case.model).coefficients
     assert found.valid.all()
-    for z in z_of_means(found, seen):
-        assert abs(np.mean(z**2) - 1.0) < SIGMA * MEAN_SQUARE_STD
+    z, scatter = z_and_scatter(found, seen)
+    assert (np.abs(np.mean(z**2, axis=(1, 2)) - 1.0) < SIGMA * MEAN_SQUARE_STD).all()
+    freedom = z[0].size * (SCENE_LINES / PATTERN_LINES - 2)
+    assert (np.abs(scatter - 1.0) < NOISE_OFF + SIGMA * np.sqrt(2.0 / freedom)).all()
     if case.fitted:  # what a plain estimation does not take off by itself
         plain = radiance_error(calibrate(recorded).coefficients, seen)
         assert plain > 1.2 * radiance_error(found, seen)
