@@ -150,9 +150,10 @@ class Inversion:
             error = dn - expected
             far = np.abs(error)
             slow = np.where((far > SETTLED_DN) & (far > SHRINKS_BY * last), slow + 1, 0)
-            stuck |= slow == PATIENCE
+            # One that has just got stuck goes back to L_0, which its neighbours have yet to see.
             if not ((far > SETTLED_DN) & ~stuck).any():
                 break
+            stuck |= slow == PATIENCE
             light, last = np.where(stuck, start, light + error / per_light), far
         return Inverted(light * per_light, (far > UNREACHED_DN) & (dn > dark)), left
 
