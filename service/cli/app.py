@@ -9,6 +9,7 @@ from service.cli.answering import FAILED, standard_output
 from service.cli.commands.apply import apply
 from service.cli.commands.calibrate import calibrate
 from service.cli.commands.demo import demo
+from service.cli.commands.diagnose import diagnose
 from service.cli.commands.doctor import doctor
 from service.cli.commands.export import export
 from service.cli.commands.import_folder import import_folder
@@ -39,6 +40,7 @@ app.command("apply")(apply)
 app.command("photon-transfer")(photon_transfer)
 app.command("spectral-response")(spectral_response)
 app.command("mtf")(mtf)
+app.command("diagnose")(diagnose)
 app.command("simulate")(simulate)
 app.add_typer(store, name="store")
 

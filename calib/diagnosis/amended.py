@@ -1,0 +1,58 @@
+"""The model that a diagnosis arrives at, as a file that `simulate` and the mock bench load."""
+
+import numpy as np
+
+from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.model import Model as Found
+from calib.errors import InputError
+from calib.forward.effect import Effect
+from calib.forward.effects.adc import Adc
+from calib.forward.effects.illumination import Illumination
+from calib.forward.effects.offset import Offset
+from calib.forward.effects.read_noise import ReadNoise
+from calib.forward.effects.responsivity import Responsivity
+from calib.forward.effects.shot_noise import ShotNoise
+from calib.forward.effects.system_gain import SystemGain
+from calib.forward.model import Model
+from calib.recording.header import SourceHeader
+
+MOST_PIXELS = 1 << 18
+"""Values of single pixels are written as text, and more of them make no file to read."""
+
+
+def amended_model(
+    found: Found, evidence: Evidence, source: SourceHeader, given: Model | None = None
+) -> Model:
+    """Return the fitted baseline, or `given`, with the effects that were found."""
+    model = given if given is not None else _fitted(evidence, source)
+    for member in found.members:
+        model = model.with_effect(member.effect)
+    return model
+
+
+def _fitted(evidence: Evidence, source: SourceHeader) -> Model:
+    sensor, base = evidence.sensor, evidence.baseline
+    if sensor.n_pixels > MOST_PIXELS:
+        raise InputError(
+            f"a model file holds values of {MOST_PIXELS} pixels at most, and this camera has "
+            f"{sensor.n_pixels}: name the model that it was simulated with by --model",
+            code="too-many-pixels",
+        )
+    gain = np.where(base.gain_dn_per_e > 0, base.gain_dn_per_e, 1.0)
+    electrons = base.slope / gain[sensor.tap]
+    mean = max(float(electrons.mean()), 1e-12)
+    overall = float(gain[sensor.tap].mean())
+    taps = sensor.n_taps > 1
+    layout = sensor.camera.tap_layout if taps else "single"
+    read = np.sqrt(np.maximum(base.read_variance_dn2 - 1.0 / 12.0, 0.0)) / gain
+    effects: tuple[Effect, ...] = (
+        Illumination(evidence.table.lamp_radiance),
+        Responsivity(mean, prnu=tuple(np.clip(electrons / mean, 0.0, 100.0).ravel().tolist())),
+        ShotNoise(),
+        ReadNoise(float(read.mean())),
+        SystemGain(overall, tuple((gain / overall).tolist()) if taps else (), layout),
+        Offset(pattern_dn=tuple(base.offset_dn.ravel().tolist())),
+        Adc(sensor.camera.bit_depth),
+    )
+    neutral = sensor.camera.model_copy(update={"gain_db": 0.0, "black_level_dn": 0.0})
+    return Model(neutral, source, effects)

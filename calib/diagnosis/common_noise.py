@@ -1,0 +1,65 @@
+"""How much of the noise all pixels of a line share, block by block."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+SIGNIFICANT = 14.0
+"""Deviance that shared noise has to explain before it counts."""
+
+
+@dataclass(frozen=True)
+class CommonNoise:
+    """Variance that a line's pixels share: fixed + relative x signal^2.
+
+    Attributes:
+        fixed_dn2: In the dark and everywhere.
+        relative: Of the signal, squared.
+        memory: By how much the variance of a block's mean exceeds that of white lines.
+    """
+
+    fixed_dn2: float
+    relative: float
+    memory: float
+
+
+def fit_common_noise(
+    excess: Floats, lagged: Floats, white: Floats, signal: Floats, freedom: Floats
+) -> CommonNoise:
+    """Return the fit of the excess of line means' variances.
+
+    Args:
+        excess: Variance of the line means beyond what independent pixels give, DN^2, (n_blocks,).
+        lagged: Sum of their covariances at the lags that were looked at, (n_blocks,).
+        white: What independent pixels give, (n_blocks,).
+        signal: Mean signal, DN, (n_blocks,).
+        freedom: Degrees of freedom of each variance, (n_blocks,).
+    """
+    best = (0.0, 0.0)
+    least = _deviance(excess, white, white, freedom)
+    for columns in ((1, 0), (0, 1), (1, 1)):
+        design = np.stack([np.ones_like(signal), signal**2], axis=1) * np.array(columns)
+        level = white.copy()
+        found = np.zeros(2)
+        for _ in range(6):
+            std = np.sqrt(2.0 / freedom) * level
+            solved = np.linalg.lstsq(design / std[:, None], excess / std, rcond=None)[0]
+            found = np.maximum(solved * np.array(columns), 0.0)
+            level = white + design @ found
+        deviance = _deviance(excess - design @ found, level, white, freedom)
+        if deviance + SIGNIFICANT * sum(columns) < least:
+            least, best = deviance + SIGNIFICANT * sum(columns), (float(found[0]), float(found[1]))
+    if best == (0.0, 0.0):
+        return CommonNoise(0.0, 0.0, 1.0)
+    total = float((best[0] + best[1] * signal**2).sum())
+    memory = float(np.clip(1.0 + 2.0 * lagged.sum() / max(total, 1e-300), 0.1, 6.0))
+    return CommonNoise(*best, memory)
+
+
+def _deviance(residual: Floats, level: Floats, white: Floats, freedom: Floats) -> float:
+    """Return minus twice the log likelihood of scaled chi-squared variances, up to a constant."""
+    measured = np.maximum(residual + level, 1e-12 * white)
+    return float((freedom * (np.log(level / white) + measured / level)).sum())

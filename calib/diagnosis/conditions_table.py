@@ -1,0 +1,146 @@
+"""The conditions of a recording's blocks as arrays, with what is unknown filled in."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from calib.arrays import Columns
+from calib.errors import NotDeterminedError
+from calib.forward.conditions import Conditions
+from calib.forward.schedule import AMBIENT_C
+from calib.recording.header import Block, CameraHeader, RecordingHeader
+
+DEFAULT_PERIOD_US = 1000.0
+"""Of a camera that does not tell its line period, where no exposure is longer."""
+MOST_LAMPS = 64
+"""A level beyond this is a setting, no number of lamps."""
+
+
+@dataclass(frozen=True)
+class ConditionsTable:
+    """One entry per block, (n_blocks,) each, in the order of acquisition.
+
+    Attributes:
+        blocks: As the recording says.
+        camera: The camera.
+        line_period_us: From line to line, or frame to frame.
+        radiance: At the lens, nominal; the level where no radiance is told; 0 where capped.
+        started_s: Wall time of the first line.
+        n_lines: Lines, or frames.
+    """
+
+    blocks: tuple[Block, ...]
+    camera: CameraHeader
+    line_period_us: float
+    radiance: Columns
+    started_s: Columns
+    n_lines: Columns
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The blocks' names."""
+        return tuple(block.block for block in self.blocks)
+
+    @property
+    def exposure_us(self) -> Columns:
+        """Exposure time."""
+        return np.array([block.exposure_us for block in self.blocks])
+
+    @property
+    def level(self) -> Columns:
+        """Lamps that burn, or the LED's setting; 0 in the dark."""
+        return np.array([0.0 if block.kind == "dark" else block.level for block in self.blocks])
+
+    @property
+    def temperature_c(self) -> Columns:
+        """Sensor temperature; that of the surroundings where it is unknown."""
+        told = (block.sensor_temperature_c for block in self.blocks)
+        return np.array([AMBIENT_C if t is None else t for t in told])
+
+    @property
+    def dark(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """True where the lens is capped."""
+        return np.array([block.kind == "dark" for block in self.blocks])
+
+    @property
+    def dose(self) -> Columns:
+        """Radiance times exposure, radiance us: what the baseline's signal is linear in."""
+        return self.radiance * self.exposure_us
+
+    @property
+    def mid_s(self) -> Columns:
+        """Wall time of the middle of each block."""
+        return np.asarray(self.started_s + self.n_lines * self.line_period_us * 0.5e-6)
+
+    def at(self, b: int, lines: Columns) -> Conditions:
+        """Return the conditions of lines `lines`, counted from the block's first, of block `b`."""
+        block = self.blocks[b]
+        dark = block.kind == "dark"
+        return Conditions(
+            exposure_us=block.exposure_us,
+            line_period_us=self.line_period_us,
+            line_times_s=self.started_s[b] + lines * (self.line_period_us * 1e-6),
+            lamps=() if dark else self._emissions(block.level, float(self.radiance[b])),
+            level=0.0 if dark else block.level,
+            capped=dark,
+            sensor_temperature_c=float(self.temperature_c[b]),
+            gain_db=0.0,
+            black_level_dn=0.0,
+        )
+
+    @cached_property
+    def lamp_radiance(self) -> tuple[float, ...]:
+        """Radiance of each lamp, so that the first n together give what level n is told to give.
+
+        A source whose levels are no whole numbers is one lamp, of the radiance of level 1.
+        """
+        lit = (self.level > 0) & (self.radiance > 0)
+        levels = np.unique(self.level[lit])
+        if len(levels) == 0:
+            return (1.0,)
+        told = np.array([self.radiance[lit & (self.level == each)].mean() for each in levels])
+        if not np.array_equal(levels, levels.round()) or levels[-1] > MOST_LAMPS:
+            return (float((told * levels).sum() / (levels**2).sum()),)
+        cumulated = np.interp(np.arange(levels[-1] + 1), [0.0, *levels], [0.0, *told])
+        return tuple(np.diff(cumulated))
+
+    def _emissions(self, level: float, radiance: float) -> tuple[float, ...]:
+        lamps = self.lamp_radiance
+        count = len(lamps) if len(lamps) == 1 else max(int(level), 1)
+        return (radiance / max(sum(lamps[:count]), 1e-300),) * count
+
+
+def conditions_table(header: RecordingHeader, n_lines: Sequence[int]) -> ConditionsTable:
+    """Return the table; NotDeterminedError where no line can be told apart by its light."""
+    blocks = header.blocks
+    exposures = [block.exposure_us for block in blocks]
+    period = header.camera.line_period_us or max(DEFAULT_PERIOD_US, *exposures)
+    if not blocks:
+        msg = "the recording has no blocks: record darks, and flats at several exposures"
+        raise NotDeterminedError(msg, code="no-blocks")
+    return ConditionsTable(
+        blocks,
+        header.camera,
+        period,
+        _radiances(blocks),
+        _starts(blocks, n_lines, period),
+        np.asarray(n_lines, np.float64),
+    )
+
+
+def _radiances(blocks: Sequence[Block]) -> Columns:
+    lit = [block for block in blocks if block.kind != "dark"]
+    told = all(block.radiance is not None for block in lit if block.kind == "flat")
+    chosen = ((b.radiance if told else b.level) or 0.0 for b in blocks)
+    return np.array([0.0 if b.kind == "dark" else r for b, r in zip(blocks, chosen, strict=True)])
+
+
+def _starts(blocks: Sequence[Block], n_lines: Sequence[int], period_us: float) -> Columns:
+    free, starts = 0.0, []
+    for block, n in zip(blocks, n_lines, strict=True):
+        start = free if block.started_s is None else block.started_s
+        starts.append(start)
+        free = start + n * period_us * 1e-6
+    return np.array(starts)

@@ -1,0 +1,236 @@
+"""Diagnoses a recording: what the plain model lacks, what it is called, how much of it there is."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.diagnosis.chain_run import FittedChain
+from calib.diagnosis.conditions_table import conditions_table
+from calib.diagnosis.evidence import Evidence, evidence_of
+from calib.diagnosis.findings import (
+    Diagnosis,
+    Estimate,
+    Figures,
+    Finding,
+    Fit,
+    NamedCandidate,
+    ParameterOff,
+    Unexplained,
+)
+from calib.diagnosis.given_model import parameters_off
+from calib.diagnosis.heldout import HeldOut, HeldOutDeviances
+from calib.diagnosis.judgement import Candidate, candidates_of, contribution
+from calib.diagnosis.locate import locate, where
+from calib.diagnosis.model import Member, Model
+from calib.diagnosis.remainder import CERTAIN_SIGMA, looks_at, worst
+from calib.diagnosis.requirements import check_can_be_diagnosed
+from calib.diagnosis.response import Responder
+from calib.diagnosis.search import find
+from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.shapes import Scales, departures, shapes_of
+from calib.diagnosis.signatures import Signature, signature
+from calib.diagnosis.statistics.gather import gather
+from calib.forward.model import Model as ForwardModel
+from calib.forward.parameter import parameters_of
+from calib.recording.protocol import Recording
+
+BASELINE = (
+    "illumination",
+    "vignette",
+    "responsivity",
+    "shot_noise",
+    "full_well",
+    "read_noise",
+    "offset",
+    "adc",
+)
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Examination:
+    """All that a diagnosis rests on: for the answer, an amended model, and figures.
+
+    Attributes:
+        evidence: The statistics, and the baseline fitted to them.
+        signatures: Of all effects that could have been seen.
+        model: The effects found.
+        diagnosis: The answer.
+    """
+
+    evidence: Evidence
+    signatures: tuple[Signature, ...]
+    model: Model
+    diagnosis: Diagnosis
+
+
+def diagnose(
+    recording: Recording,
+    given: ForwardModel | None = None,
+    *,
+    progress: Progress = lambda _: None,
+) -> Examination:
+    """Return what `recording` shows beyond the plain model, or beyond `given`.
+
+    Raises:
+        NotDeterminedError: The recording cannot tell offset, response and noise apart at all.
+    """
+    sensor = Sensor(recording.header.camera)
+    check_can_be_diagnosed(recording.header)
+    sums = gather(recording, progress=lambda done: progress(0.4 * done))
+    table = conditions_table(recording.header, [each.n_lines for each in sums])
+    evidence = evidence_of(sums, table, sensor)
+    return examine(evidence, given, progress=lambda done: progress(0.4 + 0.6 * done))
+
+
+def examine(
+    evidence: Evidence,
+    given: ForwardModel | None = None,
+    *,
+    progress: Progress = lambda _: None,
+) -> Examination:
+    """Return the diagnosis of gathered statistics."""
+    responder = responder_of(evidence)
+    signatures = signatures_of(evidence, responder, progress=progress)
+    model = find(signatures, evidence, responder)
+    heldout = HeldOutDeviances(model, evidence)
+    findings = _findings(model, signatures, evidence, responder, heldout)
+    look, sigma = worst(model, evidence)
+    unexplained = None
+    if sigma > CERTAIN_SIGMA:
+        columns = (0, evidence.sensor.n_columns - 1)
+        place = where(look.statistic, look.depends_on, look.blocks, columns, evidence)
+        unexplained = Unexplained(sigma, place)
+    before, after = heldout.of(()), heldout.of(range(len(model.members)))
+    names = tuple(m.signature.shape.name for m in model.members)
+    off: tuple[ParameterOff, ...] = ()
+    if given is not None:
+        off = parameters_off(given, evidence)
+    diagnosis = Diagnosis(
+        Fit(BASELINE, before.deviance, before.dof),
+        findings,
+        Fit((*BASELINE, *names), after.deviance, after.dof),
+        unexplained,
+        {**not_testable(evidence), **_invisible(evidence, signatures)},
+        off,
+        _figures(model, evidence),
+    )
+    return Examination(evidence, signatures, model, diagnosis)
+
+
+def responder_of(evidence: Evidence) -> Responder:
+    """Return what simulates changes about the fitted baseline."""
+    chain = FittedChain(evidence.baseline, evidence.table, evidence.sensor)
+    return Responder(chain, evidence.counts, evidence.peaks)
+
+
+def scales_of(evidence: Evidence, responder: Responder) -> Scales:
+    """Return the sizes of the recording."""
+    table = evidence.table
+    seen = np.flatnonzero(sum(each.histogram for each in evidence.sums))
+    period_s = table.line_period_us * 1e-6
+    return Scales(
+        evidence.sensor.camera,
+        float(table.started_s[-1] - table.started_s[0]) or 1.0,
+        period_s,
+        responder.chain.most_electrons,
+        float(table.radiance.max()),
+        int(seen[0]),
+        tuple(f for peak in evidence.peaks for f in peak.frequencies_hz(period_s)),
+    )
+
+
+def not_testable(evidence: Evidence) -> dict[str, str]:
+    """Return what the plan lacks to show effects at all, by their names."""
+    blocks, camera = evidence.table.blocks, evidence.sensor.camera
+    lacks = {kind.name: kind.why_not_testable(blocks, camera) for kind in departures()}
+    return {name: lack for name, lack in lacks.items() if lack is not None}
+
+
+def _invisible(evidence: Evidence, signatures: Sequence[Signature]) -> dict[str, str]:
+    """Return effects whose signature the baseline absorbs, though the plan has what they need."""
+    seen, lacking = {s.shape.name for s in signatures}, not_testable(evidence)
+    text = "the fitted offsets, slopes and noise of this plan absorb it"
+    return {k.name: text for k in departures() if k.name not in seen and k.name not in lacking}
+
+
+def signatures_of(
+    evidence: Evidence, responder: Responder, *, progress: Progress = lambda _: None
+) -> tuple[Signature, ...]:
+    """Return the signatures of all effects that this recording could show."""
+    scales, lacking = scales_of(evidence, responder), not_testable(evidence)
+    kinds = [kind for kind in departures() if kind.name not in lacking]
+    shapes = [shape for kind in kinds for shape in shapes_of(kind, scales)]
+    found = []
+    for n, shape in enumerate(shapes):
+        found.append(signature(shape, evidence, responder))
+        progress((n + 1) / len(shapes))
+    return tuple(each for each in found if each is not None)
+
+
+def _findings(
+    model: Model,
+    signatures: Sequence[Signature],
+    evidence: Evidence,
+    responder: Responder,
+    heldout: HeldOutDeviances,
+) -> tuple[Finding, ...]:
+    every = list(range(len(model.members)))
+    full = heldout.of(every)
+    found = []
+    for k, member in enumerate(model.members):
+        names = candidates_of(k, model, signatures, evidence, responder)
+        without = heldout.of([j for j in every if j != k])
+        found.append(_finding(member, names, (without, full), evidence))
+    return tuple(sorted(found, key=lambda f: -f.significance_sigma))
+
+
+def _finding(
+    member: Member,
+    names: Sequence[Candidate],
+    heldout: tuple[HeldOut, HeldOut],
+    evidence: Evidence,
+) -> Finding:
+    before, after = heldout
+    effect = member.effect
+    own = contribution(member)
+    gain = max((c.gain for c in names if c.effect == effect.name), default=0.0)
+    missed = max(before.deviance - before.dof, 1e-9)
+    return Finding(
+        effect,
+        tuple(
+            NamedCandidate(c.effect, c.probability, after.deviance + max(gain - c.gain, 0.0))
+            for c in names
+        ),
+        float(np.sqrt(max(gain, 0.0))),
+        locate(own, effect.shows_in, effect.depends_on, evidence),
+        estimates_of(member),
+        before.deviance,
+        after.deviance,
+        float(np.clip((before.deviance - after.deviance) / missed, 0.0, 1.0)),
+    )
+
+
+def estimates_of(member: Member) -> dict[str, Estimate]:
+    """Return the fitted parameters of a member, with their standard uncertainties."""
+    told = parameters_of(type(member.effect))
+    found = {}
+    for name, unit, _ in member.signature.shape.varied:
+        value = getattr(member.effect, name)
+        if isinstance(unit, tuple):
+            largest = int(np.argmax(np.abs(unit)))
+            std = abs(unit[largest]) * member.std[0]
+            found[name] = Estimate(float(value[largest]), std, told[name].unit)
+        else:
+            found[name] = Estimate(float(value), abs(unit) * member.std[0], told[name].unit)
+    for name, std in zip(member.inner, member.std[1:], strict=True):
+        value = float(getattr(member.effect, name))
+        found[name] = Estimate(value, value * std, told[name].unit)
+    return found
+
+
+def _figures(model: Model, evidence: Evidence) -> Figures:
+    looks = tuple((look.statistic, look.sigma(0.0, 1)) for look in looks_at(model, evidence))
+    return Figures(model.first.means, model.residual.means, evidence.table.names, looks)

@@ -1,0 +1,53 @@
+"""The effects that were found, and what remains of a recording after them."""
+
+from dataclasses import dataclass
+
+from calib.diagnosis.evidence import Point
+from calib.diagnosis.response import Change
+from calib.diagnosis.signatures import Signature
+from calib.forward.departure import Departure
+
+
+@dataclass(frozen=True)
+class Member:
+    """An effect of the model with its fitted parameters.
+
+    Attributes:
+        signature: The shape and where its signature was taken.
+        strength: As fitted.
+        inner: Other parameters that the data determine, as fitted.
+        std: Standard uncertainties: of the strength, and of the logarithms of the others.
+        changes: Derivatives of the statistics, likewise.
+        directions: The same, whitened.
+    """
+
+    signature: Signature
+    strength: float
+    inner: dict[str, float]
+    std: tuple[float, ...]
+    changes: tuple[Change, ...]
+    directions: tuple[Point, ...]
+
+    @property
+    def effect(self) -> Departure:
+        """The effect as fitted."""
+        return self.signature.shape.at(self.strength, self.inner)
+
+
+@dataclass(frozen=True)
+class Model:
+    """The effects found, and what remains.
+
+    Attributes:
+        members: Strongest first as they were found.
+        change: What they change together.
+        observed: What was recorded against the baseline.
+        residual: Of the whitened statistics.
+        first: The residual before any effect.
+    """
+
+    members: tuple[Member, ...]
+    change: Change | None
+    observed: Change
+    residual: Point
+    first: Point

@@ -1,0 +1,211 @@
+"""Pooled statistics of a block: moments that need no pixel's own mean.
+
+Each is a rate or a moment per sample, so that a few simulated lines and many recorded ones give
+the same expected value.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.sensor import Sensor
+from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS, ResidualProducts, tap_sizes
+
+Floats = NDArray[np.float64]
+
+ONSET_LINES = 3
+"""The first lines of a block, whose means are looked at one by one."""
+
+KINDS = (
+    "variance",
+    "kurtosis",
+    *(f"columns_{k}" for k in range(1, COLUMN_LAGS + 1)),
+    *(f"lines_{k}" for k in range(1, LINE_LAGS + 1)),
+    "rows",
+    "partners",
+    "common",
+    "common_taps",
+    "common_1",
+    "common_2",
+)
+"""Names of the statistics, in the order in which a block's vector holds them."""
+
+
+@dataclass(frozen=True)
+class Pooled:
+    """One block's statistics by name.
+
+    Attributes:
+        of: Name to values; by group of pixels, by partner, or by tap.
+    """
+
+    of: dict[str, Floats]
+
+    def vector(self) -> Floats:
+        """Return all of them, in the order of `KINDS`."""
+        return np.concatenate([self.of[kind].ravel() for kind in KINDS])
+
+
+@dataclass(frozen=True)
+class Counts:
+    """How much is averaged in each statistic; depends on the sensor alone."""
+
+    pixels: Floats
+    columns: Floats
+    same_tap: Floats
+    rows: Floats
+    partners: Floats
+    tap_size: Floats
+
+    @classmethod
+    def of(cls, sensor: Sensor) -> "Counts":
+        """Return the counts of `sensor`."""
+        every = np.ones((sensor.n_rows, sensor.n_columns))
+        columns, same = [], []
+        for k in range(1, COLUMN_LAGS + 1):
+            pair = every.copy()
+            pair[:, max(sensor.n_columns - k, 0) :] = 0.0
+            alike = pair * (sensor.tap == np.roll(sensor.tap, -k, axis=1))
+            columns.append(grouped(pair, sensor))
+            same.append(grouped(alike, sensor) / np.maximum(columns[-1], 1.0))
+        below = every.copy()
+        below[-1] = 0.0
+        return cls(
+            grouped(every, sensor),
+            np.stack(columns),
+            np.stack(same),
+            grouped(below, sensor),
+            np.array([(p >= 0).sum() * sensor.n_rows for p in sensor.partner], np.float64),
+            tap_sizes(sensor.tap, sensor.n_taps),
+        )
+
+
+def grouped(values: Floats, sensor: Sensor) -> Floats:
+    """Return sums over each group of pixels, (n_groups,)."""
+    sums = np.bincount(sensor.group.ravel(), values.ravel(), sensor.n_groups + 1)
+    return np.asarray(sums[: sensor.n_groups])
+
+
+def pooled(
+    products: ResidualProducts, n: int, variance: Floats, sensor: Sensor, counts: Counts
+) -> Pooled:
+    """Return a block's statistics; `variance` is what is expected of each pixel, DN^2."""
+    size = np.maximum(counts.tap_size.min(), 2.0)
+    some = np.maximum(counts.pixels, 1.0)
+    freedom = (n - 1) * (1.0 - 1.0 / size)
+    ratio = (
+        grouped(products.squares, sensor) / freedom / np.maximum(grouped(variance, sensor), 1e-300)
+    )
+    fourth = grouped(products.fourths, sensor) / n / 3.0
+    level = np.maximum(grouped(variance**2, sensor), 1e-300) * (freedom / n) ** 2
+    of = {
+        "variance": grouped(products.squares, sensor) / freedom / some,
+        "kurtosis": fourth / level - 2.0 * ratio + 1.0,
+        "rows": grouped(products.rows, sensor) / (n - 1) / np.maximum(counts.rows, 1.0),
+        "partners": products.partners.sum(axis=(1, 2)) / (n - 1) / np.maximum(counts.partners, 1.0),
+        **_common(products.line_means, n),
+    }
+    for k in range(COLUMN_LAGS):
+        total = grouped(products.columns[k], sensor) / (n - 1)
+        of[f"columns_{k + 1}"] = total / np.maximum(counts.columns[k], 1.0)
+    for k in range(LINE_LAGS):
+        of[f"lines_{k + 1}"] = grouped(products.lines[k], sensor) / max(n - 1 - k, 1) / some
+    return Pooled(of)
+
+
+def _common(line_means: Floats, n: int) -> dict[str, Floats]:
+    """Return variances and covariances of what a line's pixels have in common.
+
+    The first lines, where a step from the block before shows, are looked at elsewhere.
+    """
+    if n >= 4 * ONSET_LINES:
+        line_means, n = line_means[ONSET_LINES:], n - ONSET_LINES
+    centred = line_means - line_means.mean(axis=0)
+    n_rows, n_taps = centred.shape[1:]
+    tap_pairs = [(a, b) for a in range(n_taps) for b in range(a + 1, n_taps)]
+    mean = centred.mean(axis=2)
+    along = mean if n_rows > 1 else mean.T
+    lagged = [
+        float((along[:, k:] * along[:, :-k]).sum()) / max((n - 1) * (n_rows - k), 1)
+        if n_rows > 1
+        else float((along[:, k:] * along[:, :-k]).sum()) / max(n - k, 1)
+        for k in (1, 2)
+    ]
+    scale = (n - 1) * n_rows
+    cross = [float((centred[:, :, a] * centred[:, :, b]).sum()) / scale for a, b in tap_pairs]
+    return {
+        "common": (centred**2).sum(axis=(0, 1)) / scale,
+        "common_taps": np.array([np.mean(cross)]) if cross else np.zeros(1),
+        "common_1": np.array([lagged[0]]),
+        "common_2": np.array([lagged[1]]),
+    }
+
+
+def expected(
+    variance: Floats, kurtosis: Floats, n: int, sensor: Sensor, counts: Counts
+) -> tuple[Pooled, Pooled]:
+    """Return what the baseline expects of a block's statistics, and their standard deviations.
+
+    Args:
+        variance: Of each pixel, DN^2, (n_rows, n_columns).
+        kurtosis: Fourth cumulant of each pixel, DN^4.
+        n: Lines.
+        sensor: The sensor.
+        counts: Its counts.
+    """
+    some = np.maximum(counts.pixels, 1.0)
+    size = np.maximum(counts.tap_size.min(), 2.0)
+    v = grouped(variance, sensor) / some
+    v2 = grouped(variance**2, sensor) / some
+    k4 = grouped(kurtosis, sensor) / some
+    taps = np.array([variance[sensor.tap == t].mean() for t in range(sensor.n_taps)])
+    of_tap = taps / counts.tap_size.mean(axis=0)
+    spread = float(np.sqrt((of_tap**2).mean()))
+    kept = n - ONSET_LINES if n >= 4 * ONSET_LINES else n
+    lines = kept * sensor.n_rows
+    mean = {
+        "variance": v,
+        "kurtosis": k4 / (3.0 * np.maximum(v2, 1e-300)),
+        "rows": np.zeros_like(v),
+        "partners": np.zeros(len(sensor.partner)),
+        "common": of_tap,
+        "common_taps": np.zeros(1),
+        "common_1": np.zeros(1)
+        if sensor.n_rows > 1
+        else np.full(1, -of_tap.mean() / sensor.n_taps / kept),
+        "common_2": np.zeros(1)
+        if sensor.n_rows > 1
+        else np.full(1, -of_tap.mean() / sensor.n_taps / kept),
+    }
+    pairs = max(sensor.n_taps * (sensor.n_taps - 1) / 2, 1)
+    std = {
+        "variance": np.sqrt((2.0 * v2 / (n - 1) + k4 / n) / some),
+        "kurtosis": np.sqrt(24.0 / (n * some)) / 3.0,
+        "rows": _std(v2, n, counts.rows),
+        "partners": np.sqrt(float(v2.mean()) / (n - 1) / np.maximum(counts.partners, 1.0)),
+        "common": np.sqrt(2.0 / ((kept - 1) * sensor.n_rows)) * of_tap,
+        "common_taps": np.full(1, spread / np.sqrt((kept - 1) * sensor.n_rows * pairs)),
+        "common_1": np.full(1, of_tap.mean() / sensor.n_taps / np.sqrt(lines)),
+        "common_2": np.full(1, of_tap.mean() / sensor.n_taps / np.sqrt(lines)),
+    }
+    if sensor.n_taps == 1:
+        std["common_taps"] = np.full(1, np.inf)
+    if sensor.n_rows == 1:
+        std["rows"] = np.full_like(v, np.inf)
+    for k in range(COLUMN_LAGS):
+        mean[f"columns_{k + 1}"] = -v * counts.same_tap[k] / size
+        std[f"columns_{k + 1}"] = _std(v2, n, counts.columns[k])
+    for k in range(LINE_LAGS):
+        mean[f"lines_{k + 1}"] = -v / n * (1.0 - 1.0 / size)
+        std[f"lines_{k + 1}"] = (
+            np.sqrt(v2 / max(n - 1 - k, 1) / some) if n > k + 2 else np.full_like(v, np.inf)
+        )
+    empty = counts.pixels == 0
+    for kind in ("variance", "kurtosis"):
+        std[kind] = np.where(empty, np.inf, std[kind])
+    return Pooled(mean), Pooled(std)
+
+
+def _std(v2: Floats, n: int, pairs: Floats) -> Floats:
+    return np.where(pairs > 0, np.sqrt(v2 / (n - 1) / np.maximum(pairs, 1.0)), np.inf)

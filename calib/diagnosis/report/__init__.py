@@ -1,0 +1,1 @@
+"""The diagnosis as one page that a person reads."""

@@ -1,0 +1,169 @@
+"""Signatures: the directions in which effects move a recording's statistics."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.evidence import Evidence, Point
+from calib.diagnosis.response import Change, Responder
+from calib.diagnosis.shapes import Shape
+from calib.diagnosis.with_values import with_values
+from calib.forward.departure import Departure
+from calib.forward.effect import Stage
+from calib.forward.parameter import parameters_of
+
+Floats = NDArray[np.float64]
+
+AIM = 12.0
+"""Strengths are chosen so that signatures are about so many standard deviations long."""
+NEAR = 20.0
+"""Lengths that differ from that by less than this factor do."""
+FEWEST_SIGMA = 1e-2
+"""A signature shorter than this is rounding."""
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What one shape of an effect changes at a strength.
+
+    Attributes:
+        shape: The shape.
+        strength: Where it was taken.
+        change: Of the statistics.
+        point: Of the whitened statistics.
+        length: Of the point: by how many standard deviations it would be seen.
+        power: The change grows as this power of the strength.
+    """
+
+    shape: Shape
+    strength: float
+    change: Change
+    point: Point
+    length: float
+    power: float
+
+
+def signature(shape: Shape, evidence: Evidence, responder: Responder) -> Signature | None:
+    """Return the signature at a strength where it is small but clear; None where there is none."""
+    strength, found = 1.0, None
+    tried: list[tuple[float, float]] = []
+    for _ in range(3):
+        found = _taken(shape, strength, evidence, responder)
+        tried.append((strength, found.length))
+        if shape.fixed or AIM / NEAR < found.length < AIM * NEAR:
+            break
+        power = _power(tried)
+        grow = 30.0 if found.length < FEWEST_SIGMA else (AIM / found.length) ** (1 / power)
+        strength *= float(np.clip(grow, 1e-4, 1e3))
+        if shape.at(strength) == shape.at(tried[-1][0]):
+            break
+    if found is None or found.length < FEWEST_SIGMA:
+        return None
+    power = 1.0 if shape.two_sided or shape.fixed else _power(tried)
+    return Signature(shape, found.strength, found.change, found.point, found.length, power)
+
+
+def retaken(
+    one: Signature, amplitude: float, evidence: Evidence, responder: Responder
+) -> Signature:
+    """Return a signature taken where it is as strong as the recording makes it."""
+    if one.shape.fixed:
+        return one
+    ratio = max(abs(amplitude), 1e-6) ** (1.0 / one.power)
+    strength = float(np.copysign(min(ratio, 1e3) * one.strength, amplitude))
+    again = _taken(one.shape, strength, evidence, responder)
+    power = one.power
+    if not one.shape.two_sided:
+        power = _power([(one.strength, one.length), (abs(strength), again.length)])
+    return replace(again, power=power)
+
+
+def _power(tried: list[tuple[float, float]]) -> float:
+    """Return the power of the strength with which the length grows, told by the last two."""
+    if len(tried) < 2 or min(length for _, length in tried) <= 0:
+        return 1.0
+    (s0, l0), (s1, l1) = tried[-2:]
+    return float(np.clip(np.log(l1 / l0) / np.log(s1 / s0), 0.5, 2.0)) if s0 != s1 else 1.0
+
+
+def _taken(shape: Shape, strength: float, evidence: Evidence, responder: Responder) -> Signature:
+    change = change_of((shape.at(strength),), evidence, responder)
+    point = evidence.point(change)
+    length = float(np.sqrt(max(evidence.product(point, point), 0.0)))
+    return Signature(shape, strength, change, point, length, 1.0)
+
+
+def change_of(effects: tuple[Departure, ...], evidence: Evidence, responder: Responder) -> Change:
+    """Return what effects change; what is left to chance is taken twice, and compared."""
+    spectral = any(effect.shows_in == "spectrum" for effect in effects)
+    coded = any(effect.stage >= Stage.CODES for effect in effects)
+    first = _with_misfit(responder.change(effects), evidence)
+    others = effects if coded else tuple(_other_pattern(effect) for effect in effects)
+    if coded or others != effects or any(effect.stochastic for effect in effects):
+        first = _reproduced(first, responder.change(others, draw=1), evidence)
+        if others == effects and not coded:
+            # Events of single lines are no property of a pixel, however few lines are drawn.
+            nothing = np.zeros_like(first.pixel_misfit)
+            first = replace(first, pixel_misfit=nothing, pixel_variance=nothing)
+    return _without_tones(first) if spectral else first
+
+
+def _with_misfit(change: Change, evidence: Evidence) -> Change:
+    """Return the change with what it does to single pixels, whose places nobody knows."""
+    return replace(change, pixel_misfit=evidence.misfit(change.means, observed=False))
+
+
+def _other_pattern(effect: Departure) -> Departure:
+    """Return the effect on another sensor of its kind: the places of its pixels are unknown."""
+    seeds = {n: getattr(effect, n) + 1 for n in parameters_of(type(effect)) if n.endswith("seed")}
+    return with_values(effect, seeds) if seeds else effect
+
+
+def _without_tones(change: Change) -> Change:
+    """Return the change without means: a tone leaves nothing in those of a whole block."""
+    return Change(
+        np.zeros_like(change.means), np.zeros_like(change.onset), change.pooled, change.rare,
+        change.pixel_variance, change.codes, change.tones,
+        change.pixel_misfit,
+    )  # fmt: skip
+
+
+def _reproduced(one: Change, other: Change, evidence: Evidence) -> Change:
+    """Return the mean of two draws, each part of it shrunk by how badly the other repeats it."""
+    half = (one + other) * 0.5
+    signal = (evidence.baseline.mean_dn - evidence.baseline.offset_dn).reshape(one.means.shape)
+    smooth = [_along_profile(each.means, signal) for each in (one, other)]
+    means = _shrunk(smooth[0], smooth[1])
+    std = evidence.pooled_std
+    fine = np.isfinite(std) & (std > 0)
+    white = [np.where(fine, c.pooled / np.where(fine, std, 1.0), 0.0) for c in (one, other)]
+    pooled = half.pooled.copy()
+    for where in evidence.places.values():
+        pooled[:, where] *= _share(white[0][:, where], white[1][:, where])
+    return Change(
+        means, _shrunk(one.onset, other.onset), pooled, half.rare,
+        one.pixel_variance, np.concatenate([one.codes, other.codes]), half.tones,
+        one.pixel_misfit,
+    )  # fmt: skip
+
+
+def _along_profile(means: Floats, signal: Floats) -> Floats:
+    """Return each block's means fitted by a constant and the block's own profile of signal."""
+    ones = np.ones(means.shape[1])
+    centred = signal - signal.mean(axis=1, keepdims=True)
+    spread = np.einsum("bp,bp->b", centred, centred)
+    slope = np.einsum("bp,bp->b", centred, means) / np.maximum(spread, 1e-12)
+    slope = np.where(spread > 1e-9 * np.maximum((signal**2).sum(axis=1), 1e-12), slope, 0.0)
+    return np.asarray(means.mean(axis=1)[:, None] * ones + slope[:, None] * centred)
+
+
+def _share(one: Floats, other: Floats) -> float:
+    """Return which share of the mean's energy is not chance, from what two draws have in common."""
+    mean2 = float(((one + other) ** 2).sum()) / 4
+    noise2 = float(((one - other) ** 2).sum()) / 4
+    return max(0.0, 1.0 - 1.3 * noise2 / mean2) if mean2 > 0 else 0.0
+
+
+def _shrunk(one: Floats, other: Floats) -> Floats:
+    return np.asarray((one + other) * 0.5 * _share(one, other))

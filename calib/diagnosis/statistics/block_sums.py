@@ -1,0 +1,38 @@
+"""What one block leaves behind, pixel by pixel and line by line."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.kernels.residual_products import ResidualProducts
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BlockSums:
+    """Statistics of a block; a pixel stands at its row and column, a line sensor has one row.
+
+    Attributes:
+        n_lines: Lines, or frames.
+        mean_dn: Mean code without outliers, (n_rows, n_columns).
+        clipped: Share of samples at code 0 or full scale, (n_rows, n_columns).
+        products: Sums of products of residuals.
+        sigma_dn: Standard deviation of each pixel's samples, held near its tap's others.
+        rare: How often each of `rare.RARE` happens.
+        histogram: Samples by code, (n_codes,).
+        power: Power of the residuals by line and column frequency, (2 n_lines, n_pixels // 2 + 1),
+            of the first `spectrum_lines` lines, over what white noise of unit variance would give.
+        spectrum_lines: How many lines that are; 0 where there is none.
+    """
+
+    n_lines: int
+    mean_dn: Floats
+    clipped: Floats
+    products: ResidualProducts
+    sigma_dn: Floats
+    rare: Floats
+    histogram: NDArray[np.int64]
+    power: NDArray[np.float32]
+    spectrum_lines: int

@@ -1,0 +1,105 @@
+"""Goes once over a recording, block by block."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.statistics.block_sums import BlockSums, Floats
+from calib.diagnosis.statistics.rare import rare_counts
+from calib.kernels.residual_products import residual_products
+from calib.kernels.sums import line_sums
+from calib.recording.protocol import Recording
+
+CUT_SIGMA = 6.5
+"""A Gaussian sample in ten thousand million lies farther out."""
+NEIGHBOURHOODS = 32
+"""Of columns, in which a pixel's noise is compared with others'."""
+MOST_SAMPLES = 1 << 26
+"""Of a block: so many are looked at, 128 MiB; what comes after adds little."""
+PADDING = 2
+"""Frequencies lie half as far apart as the lines resolve, lest a tone fall between two."""
+SPECTRUM_SAMPLES = 1 << 25
+"""All blocks' spectra together hold at most so many samples."""
+
+
+def gather(
+    recording: Recording, *, progress: Callable[[float], None] = lambda _: None
+) -> tuple[BlockSums, ...]:
+    """Return the statistics of each block of `recording`, in their order."""
+    sensor = Sensor(recording.header.camera)
+    blocks = recording.header.blocks
+    gathered = []
+    for k, block in enumerate(blocks):
+        samples = _samples(recording, block.block, sensor)
+        gathered.append(block_sums(samples, sensor, SPECTRUM_SAMPLES // len(blocks)))
+        progress((k + 1) / len(blocks))
+    return tuple(gathered)
+
+
+def _samples(recording: Recording, name: str, sensor: Sensor) -> NDArray[np.generic]:
+    """Return the block's codes, (n_lines, n_rows, n_columns)."""
+    most = max(2, MOST_SAMPLES // sensor.n_pixels)
+    parts, n = [], 0
+    for dn in recording.frames(name):
+        parts.append(dn[: most - n])
+        n += len(parts[-1])
+        if n >= most:
+            break
+    joined = parts[0] if len(parts) == 1 else np.concatenate(parts)
+    return joined.reshape(len(joined), sensor.n_rows, sensor.n_columns)
+
+
+def block_sums(samples: NDArray[np.generic], sensor: Sensor, spectrum_samples: int) -> BlockSums:
+    """Return the statistics of codes, (n_lines, n_rows, n_columns)."""
+    n = len(samples)
+    flat = np.ascontiguousarray(samples.reshape(n, -1))
+    sums = line_sums(flat, sensor.camera.full_scale_dn)
+    shape = samples.shape[1:]
+    mean = sums.mean_dn.reshape(shape)
+    sigma = _sigma(np.nan_to_num(sums.variance_dn2).reshape(shape), sensor)
+    cut = CUT_SIGMA * sigma + 1.0
+    products = residual_products(samples, mean, cut, sensor.tap, sensor.n_taps, sensor.partner)
+    lines = min(n, max(2, spectrum_samples // sensor.n_pixels))
+    return BlockSums(
+        n,
+        mean + products.total / n,
+        ((sums.at_zero + sums.at_full_scale) / n).reshape(shape),
+        products,
+        sigma,
+        rare_counts(samples, mean, sigma, products.outliers),
+        np.bincount(flat.ravel(), minlength=sensor.camera.full_scale_dn + 1),
+        _power(flat[:lines], mean.ravel(), cut.ravel()),
+        lines,
+    )
+
+
+def _sigma(variance: Floats, sensor: Sensor) -> Floats:
+    """Return each pixel's standard deviation, held near that of its tap's others about it."""
+    held = np.empty_like(variance)
+    columns = np.arange(sensor.n_columns)
+    edges = np.linspace(0, sensor.n_columns, min(NEIGHBOURHOODS, sensor.n_columns // 8 + 1) + 1)
+    middles, bounds = (edges[1:] + edges[:-1]) / 2, edges.astype(int)
+    for tap in range(sensor.n_taps):
+        of_tap = sensor.tap == tap
+        known = [
+            (x, max(float(np.median(variance[:, a:b][of_tap[:, a:b]])), 0.1))
+            for x, a, b in zip(middles, bounds[:-1], bounds[1:], strict=True)
+            if of_tap[:, a:b].any()
+        ]
+        local = np.broadcast_to(
+            np.interp(columns, [x for x, _ in known], [v for _, v in known]), variance.shape
+        )
+        clipped = np.clip(variance, 0.5 * local, 1.5 * local)
+        held[of_tap] = clipped[of_tap]
+    return np.sqrt(held)
+
+
+def _power(flat: NDArray[np.generic], mean: Floats, cut: Floats) -> NDArray[np.float32]:
+    """Return the power spectrum, (2 n_lines, n_pixels // 2 + 1); its mean is the variance."""
+    plane = flat.astype(np.float32) - mean.astype(np.float32)
+    plane[np.abs(plane) > cut.astype(np.float32)] = 0.0
+    spectrum = fft.rfft2(plane, s=(PADDING * len(plane), plane.shape[1]), workers=2)
+    return np.asarray((spectrum.real**2 + spectrum.imag**2) / np.float32(plane.size))

@@ -1,0 +1,70 @@
+"""`darkflat diagnose`: what a recording shows beyond the plain model, or beyond a given one."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from service.cli.answering import Json, answering
+from service.cli.paths import path_argument, path_option
+from service.cli.progress import progress, share_of
+
+
+def diagnose(
+    recording: Annotated[Path, path_argument(metavar="REC", help="An .h5 or a recording folder")],
+    *,
+    model: Annotated[
+        str | None, typer.Option(metavar="MODEL.toml", help="What it should be; or a preset's name")
+    ] = None,
+    report: Annotated[Path | None, path_option(metavar="OUT.html", help="A page to read")] = None,
+    model_out: Annotated[
+        Path | None,
+        path_option(metavar="AMENDED.toml", help="The model with what was found, for simulate"),
+    ] = None,
+    json: Json = None,
+) -> None:
+    """Say what a recording shows that the plain model lacks: where, what, and how much."""
+    with answering(json) as answer:
+        from calib.diagnosis.amended import amended_model  # noqa: PLC0415
+        from calib.diagnosis.diagnose import diagnose as examined  # noqa: PLC0415
+        from calib.diagnosis.report.page import save_page  # noqa: PLC0415
+        from calib.forward.model import Model  # noqa: PLC0415
+        from calib.recording.durable import refuse_existing  # noqa: PLC0415
+        from calib.recording.open import open_recording  # noqa: PLC0415
+        from service.cli.about import about  # noqa: PLC0415
+        from service.cli.set_output import check_report  # noqa: PLC0415
+
+        if model_out is not None:
+            refuse_existing(model_out)
+        check_report(report)
+        given = None if model is None else Model.named(model)
+        opened = open_recording(recording)
+        with about(recording), progress("Diagnosing") as tell:
+            found = examined(opened, given, progress=share_of(tell))
+            if model_out is not None:
+                source = opened.header.source
+                amended_model(found.model, found.evidence, source, given).save(model_out)
+            if report is not None:
+                save_page(found.diagnosis, report, f"Diagnosis of {recording.name}")
+        told = found.diagnosis.answer()
+        answer.give(told, lambda console: _show(console, told))
+
+
+def _show(console: Any, told: dict[str, Any]) -> None:
+    """Print what a person asks first."""
+    console.print(f"Verdict: {told['verdict']}")
+    for finding in told["findings"]:
+        others = [c["effect"] for c in finding["candidates"][1:]]
+        beside = f" (or {', '.join(others)})" if others else ""
+        console.print(f"{finding['effect']}{beside}: {finding['significance_sigma']:.1f} sigma")
+        console.print(f"  {finding['physics']}")
+        console.print(f"  {finding['where']['text']}")
+        for name, each in finding["parameters"].items():
+            console.print(f"  {name} = {each['value']:.4g} +- {each['std']:.2g} {each['unit']}")
+    if told["unexplained"] is not None:
+        console.print(f"Unexplained: {told['unexplained']['where']['text']}")
+    for off in told["model_parameters"]:
+        console.print(
+            f"{off['name']}: {off['model']:.6g} in the model, {off['fitted']:.6g} +- "
+            f"{off['std']:.2g} {off['unit']} in the recording"
+        )
