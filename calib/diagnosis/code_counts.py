@@ -17,6 +17,8 @@ TAIL_CHANCE = 30.0
 """Variance of the counts at and below the lowest code, where Gaussian tails are not exact."""
 MOST_CONTRAST = 30.0
 """In standard deviations: one code that is far off is not the roughness of all."""
+SMOOTH_DN2 = 0.35
+"""Below this variance most samples of a pixel share a code, and their histogram is no Gaussian."""
 LOW_BITS = 6
 ENOUGH = 50.0
 """Codes with fewer samples expected than this are not judged one by one."""
@@ -34,9 +36,14 @@ class CodeCounts:
     @classmethod
     def of(cls, sums: Sequence[BlockSums], baseline: Baseline) -> "CodeCounts":
         """Return both histograms of a recording."""
-        observed = np.sum([each.histogram for each in sums], axis=0).astype(np.float64)
+        fine = fine_blocks(baseline)
+        histograms = [f * each.histogram for f, each in zip(fine, sums, strict=True)]
+        observed = np.sum(histograms, axis=0).astype(np.float64)
+        if not fine.any():
+            observed[0] = 1.0
         expected = np.zeros(len(observed))
-        for b, each in enumerate(sums):
+        for b in np.flatnonzero(fine):
+            each = sums[b]
             mean = each.mean_dn.ravel()
             step = max(1, len(mean) // MOST_PIXELS)
             # Rounding is in the variance that was fitted, and done once more here.
@@ -111,6 +118,11 @@ class CodeCounts:
         )
         chance = float(n_judged) if len(shares) == 1 else 0.0
         return float(((one * other / variance).sum() - chance) / np.sqrt(4.0 * n_judged))
+
+
+def fine_blocks(baseline: Baseline) -> NDArray[np.bool_]:
+    """Return the blocks, (n_blocks,), whose noise spreads samples over codes smoothly."""
+    return np.asarray(baseline.variance_dn2.mean(axis=(1, 2)) > SMOOTH_DN2)
 
 
 def _contrast(values: Floats) -> Floats:

@@ -160,12 +160,13 @@ class Evidence:
         means = np.stack([each.mean_dn.ravel() for each in self.sums])
         means = means - self.baseline.mean_dn.reshape(means.shape)
         freedom = (self.n - 1).sum() * (1.0 - 1.0 / max(self.counts.tap_size.min(), 2.0))
-        misfit = self.misfit(means, observed=True)
+        misfit, growth = self.misfit(means, observed=True), self.growth(means)
         return Change(
             means, onset, np.stack(vectors), np.stack(rare), squares / freedom - 1.0,
             self.code_counts.residual(),
             np.array([p.squared_amplitude_dn2 for p in self.peaks]).reshape(-1, self.n_blocks).T,
             misfit,
+            growth,
         )  # fmt: skip
 
     def point(self, change: Change) -> Point:
@@ -190,6 +191,7 @@ class Evidence:
                 self._counted(change.rare),
                 self._steps(change.pixel_variance * np.sqrt((self.n - 1).sum() / 2.0)),
                 self._steps(change.pixel_misfit),
+                self._steps(change.pixel_growth),
                 self.code_counts.whitened(change.codes),
                 (change.tones / self._tone_std).ravel(),
             ]
@@ -258,7 +260,7 @@ class Evidence:
                     if b_signal:
                         each = of_tap * (self.baseline.mean_dn[b] - self.baseline.offset_dn)
                     change[b, : self.sensor.n_groups] = grouped(each, self.sensor) / groups
-                fine = np.isfinite(self.pooled_std)
+                fine = np.isfinite(self.pooled_std) & (self.pooled_std > 0)
                 white = np.where(fine, change / np.where(fine, self.pooled_std, 1.0), 0.0).ravel()
                 length = float(white @ white)
                 for direction in (*directions, *directions):
@@ -281,6 +283,16 @@ class Evidence:
     def _steps(self, z: Floats) -> Floats:
         counts = np.array([(z > step).sum() for step in STEPS_SIGMA] + [(z < -5.0).sum()], float)
         return np.asarray(counts / np.sqrt(CHANCE_COUNT + 0.1 * counts))
+
+    def growth(self, means: Floats) -> Floats:
+        """Return by how many standard deviations each pixel's means grow with the exposure."""
+        space = self.space if self.whole is None else self.whole
+        exposure = np.broadcast_to(self.table.exposure_us[:, None], means.shape)
+        direction, white = space.project(exposure), space.project(means)
+        length2 = np.einsum("bp,bp->p", direction, direction)
+        along = np.einsum("bp,bp->p", direction, white)
+        told = length2 > 1e-6 * np.maximum((space.weight**2 * exposure**2).sum(axis=0), 1e-300)
+        return np.where(told, along / np.sqrt(np.where(told, length2, 1.0)), 0.0)
 
     def misfit(self, means: Floats, *, observed: bool) -> Floats:
         """Return by how many standard deviations each pixel's means, DN, miss the baseline."""

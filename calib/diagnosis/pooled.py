@@ -9,13 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.sensor import STRETCHES, Sensor
 from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS, ResidualProducts, tap_sizes
 
 Floats = NDArray[np.float64]
 
 ONSET_LINES = 3
 """The first lines of a block, whose means are looked at one by one."""
+
+ROUNDED_DN2 = 0.6
+"""Below this variance rounding makes fourth moments of its own."""
 
 KINDS = (
     "variance",
@@ -164,8 +167,12 @@ def expected(
     spread = float(np.sqrt((of_tap**2).mean()))
     kept = n - ONSET_LINES if n >= 4 * ONSET_LINES else n
     lines = kept * sensor.n_rows
+    tap_of_group = np.arange(sensor.n_groups) // STRETCHES
+    # Taking off a line's mean mixes a pixel's variance with those of its tap.
+    own = (v * (1.0 - 2.0 / size) + taps[tap_of_group] / size) / (1.0 - 1.0 / size)
+    phase = _rounding_error(v) / np.sqrt(2.0 * some)
     mean = {
-        "variance": v,
+        "variance": own,
         "kurtosis": k4 / (3.0 * np.maximum(v2, 1e-300)),
         "rows": np.zeros_like(v),
         "partners": np.zeros(len(sensor.partner)),
@@ -180,10 +187,12 @@ def expected(
     }
     pairs = max(sensor.n_taps * (sensor.n_taps - 1) / 2, 1)
     std = {
-        "variance": np.sqrt((2.0 * v2 / (n - 1) + k4 / n) / some),
-        "kurtosis": np.sqrt(24.0 / (n * some)) / 3.0,
+        "variance": np.sqrt((2.0 * v2 / (n - 1) + k4 / n) / some + phase**2),
+        "kurtosis": np.where(v < ROUNDED_DN2, np.inf, np.sqrt(24.0 / (n * some)) / 3.0),
         "rows": _std(v2, n, counts.rows),
-        "partners": np.sqrt(float(v2.mean()) / (n - 1) / np.maximum(counts.partners, 1.0)),
+        "partners": np.sqrt(
+            float((variance**2).mean()) / (n - 1) / np.maximum(counts.partners, 1.0)
+        ),
         "common": np.sqrt(2.0 / ((kept - 1) * sensor.n_rows)) * of_tap,
         "common_taps": np.full(1, spread / np.sqrt((kept - 1) * sensor.n_rows * pairs)),
         "common_1": np.full(1, of_tap.mean() / sensor.n_taps / np.sqrt(lines)),
@@ -194,7 +203,7 @@ def expected(
     if sensor.n_rows == 1:
         std["rows"] = np.full_like(v, np.inf)
     for k in range(COLUMN_LAGS):
-        mean[f"columns_{k + 1}"] = -v * counts.same_tap[k] / size
+        mean[f"columns_{k + 1}"] = (taps[tap_of_group] - 2.0 * v) * counts.same_tap[k] / size
         std[f"columns_{k + 1}"] = _std(v2, n, counts.columns[k])
     for k in range(LINE_LAGS):
         mean[f"lines_{k + 1}"] = -v / n * (1.0 - 1.0 / size)
@@ -205,6 +214,15 @@ def expected(
     for kind in ("variance", "kurtosis"):
         std[kind] = np.where(empty, np.inf, std[kind])
     return Pooled(mean), Pooled(std)
+
+
+def _rounding_error(variance: Floats) -> Floats:
+    """Return the amplitude with which rounding's variance swings about 1/12 with the mean's phase.
+
+    Source: Widrow and Kollar, Quantization Noise (2008), the first term of the series.
+    """
+    before = np.maximum(variance - 1.0 / 12.0, 0.0)
+    return np.asarray((4.0 * before + 1.0 / np.pi**2) * np.exp(-2.0 * np.pi**2 * before))
 
 
 def _std(v2: Floats, n: int, pairs: Floats) -> Floats:

@@ -122,8 +122,8 @@ def _rest(model: Model, evidence: Evidence) -> list[Look]:
     rest = model.residual.rest
     onset = rest[start : start + 3 * b].reshape(b, -1)
     rare = rest[start + 3 * b : start + 7 * b].reshape(b, -1)
-    steps = rest[start + 7 * b : start + 7 * b + 10]
-    codes = rest[start + 7 * b + 10 : start + 7 * b + 17]
+    steps = rest[start + 7 * b : start + 7 * b + 15]
+    codes = rest[start + 7 * b + 15 : start + 7 * b + 22]
     flat = np.zeros(b)
     return [
         Look(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.chain_run import FittedChain, spread_lines
+from calib.diagnosis.code_counts import fine_blocks
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.noisy import NOISY_SIGMA, few
 from calib.diagnosis.pooled import ONSET_LINES, Counts, pooled
@@ -40,6 +41,7 @@ class Change:
         rare: Of what is counted, by trial, (n_blocks, n_rare).
         pixel_variance: Of each pixel's variance over the expected one, all blocks, (n_pixels,).
         pixel_misfit: By how many standard deviations each pixel's means miss, (n_pixels,).
+        pixel_growth: Likewise, how they grow with the exposure beyond the baseline.
         tones: Of squared amplitudes at the peaks of the spectrum, DN^2, (n_blocks, n_tones).
         codes: Of the share of samples by code, (1 or 2 draws, n_codes); where only effects before
             the conversion change anything, means and variances say it all, and this is 0.
@@ -53,6 +55,7 @@ class Change:
     codes: Floats
     tones: Floats
     pixel_misfit: Floats
+    pixel_growth: Floats
 
     def __sub__(self, other: "Change") -> "Change":
         """Return the difference."""
@@ -70,7 +73,7 @@ class Change:
         """Return its arrays."""
         return (
             self.means, self.onset, self.pooled, self.rare, self.pixel_variance, self.codes,
-            self.tones, self.pixel_misfit,
+            self.tones, self.pixel_misfit, self.pixel_growth,
         )  # fmt: skip
 
 
@@ -108,6 +111,7 @@ class Responder:
             [d.ratio - p.ratio for d, p in zip(drawn, plain, strict=True)], 0, weight
         )
         z = ratio * np.sqrt(weight.sum() / 2.0)
+        fine = fine_blocks(self.chain.baseline)
         counts, sensor = self._cleaned(few(np.flatnonzero(z > NOISY_SIGMA), len(z)))
         return Change(
             np.stack(means),
@@ -123,8 +127,9 @@ class Responder:
                 self.chain.table,
             ),
             ratio,
-            _codes(drawn, plain, weight + 1, coded=coded),
+            _codes(drawn, plain, (weight + 1) * fine, coded=coded),
             self._tones(effects, lefts),
+            np.zeros(len(ratio)),
             np.zeros(len(ratio)),
         )  # fmt: skip
 
@@ -224,7 +229,7 @@ def _codes(
     drawn: Sequence["_Drawn"], plain: Sequence["_Drawn"], weight: Floats, *, coded: bool
 ) -> Floats:
     """Return the change of code shares, (1, n_codes), or nothing in two draws."""
-    if coded:
+    if coded and weight.any():
         changes = [d.codes - p.codes for d, p in zip(drawn, plain, strict=True)]
         return np.asarray(np.average(changes, 0, weight))[None]
     return np.zeros((2, len(drawn[0].codes)))

@@ -52,7 +52,7 @@ class Sensor:
         taps = taps.reshape(self.n_rows, self.n_columns)
         return np.unique(taps, return_inverse=True)[1].reshape(taps.shape).astype(np.intp)
 
-    @property
+    @cached_property
     def n_taps(self) -> int:
         """How many taps there are."""
         return int(self.tap.max()) + 1

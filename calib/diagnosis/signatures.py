@@ -49,7 +49,7 @@ def signature(shape: Shape, evidence: Evidence, responder: Responder) -> Signatu
     strength, found = 1.0, None
     tried: list[tuple[float, float]] = []
     for _ in range(3):
-        found = _taken(shape, strength, evidence, responder)
+        found = _taken(shape, strength, evidence, responder, once=True)
         tried.append((strength, found.length))
         if shape.fixed or AIM / NEAR < found.length < AIM * NEAR:
             break
@@ -59,6 +59,10 @@ def signature(shape: Shape, evidence: Evidence, responder: Responder) -> Signatu
         if shape.at(strength) == shape.at(tried[-1][0]):
             break
     if found is None or found.length < FEWEST_SIGMA:
+        return None
+    if needs_two_draws(found.shape.at(found.strength)):
+        found = _taken(shape, found.strength, evidence, responder)
+    if found.length < FEWEST_SIGMA:
         return None
     power = 1.0 if shape.two_sided or shape.fixed else _power(tried)
     return Signature(shape, found.strength, found.change, found.point, found.length, power)
@@ -87,31 +91,56 @@ def _power(tried: list[tuple[float, float]]) -> float:
     return float(np.clip(np.log(l1 / l0) / np.log(s1 / s0), 0.5, 2.0)) if s0 != s1 else 1.0
 
 
-def _taken(shape: Shape, strength: float, evidence: Evidence, responder: Responder) -> Signature:
-    change = change_of((shape.at(strength),), evidence, responder)
+def _taken(
+    shape: Shape,
+    strength: float,
+    evidence: Evidence,
+    responder: Responder,
+    *,
+    once: bool = False,
+) -> Signature:
+    change = change_of((shape.at(strength),), evidence, responder, once=once)
     point = evidence.point(change)
     length = float(np.sqrt(max(evidence.product(point, point), 0.0)))
     return Signature(shape, strength, change, point, length, 1.0)
 
 
-def change_of(effects: tuple[Departure, ...], evidence: Evidence, responder: Responder) -> Change:
-    """Return what effects change; what is left to chance is taken twice, and compared."""
+def needs_two_draws(effect: Departure) -> bool:
+    """Return whether chance has a part in what one draw shows of an effect."""
+    coded = effect.stage >= Stage.CODES
+    return coded or effect.stochastic or _other_pattern(effect) != effect
+
+
+def change_of(
+    effects: tuple[Departure, ...],
+    evidence: Evidence,
+    responder: Responder,
+    *,
+    once: bool = False,
+) -> Change:
+    """Return what effects change; what is left to chance is taken twice, and compared.
+
+    Not so where `once`, which tells the size of a change and no more.
+    """
     spectral = any(effect.shows_in == "spectrum" for effect in effects)
     coded = any(effect.stage >= Stage.CODES for effect in effects)
     first = _with_misfit(responder.change(effects), evidence)
     others = effects if coded else tuple(_other_pattern(effect) for effect in effects)
-    if coded or others != effects or any(effect.stochastic for effect in effects):
+    if not once and any(needs_two_draws(effect) for effect in effects):
         first = _reproduced(first, responder.change(others, draw=1), evidence)
         if others == effects and not coded:
             # Events of single lines are no property of a pixel, however few lines are drawn.
             nothing = np.zeros_like(first.pixel_misfit)
-            first = replace(first, pixel_misfit=nothing, pixel_variance=nothing)
+            first = replace(
+                first, pixel_misfit=nothing, pixel_growth=nothing, pixel_variance=nothing
+            )
     return _without_tones(first) if spectral else first
 
 
 def _with_misfit(change: Change, evidence: Evidence) -> Change:
     """Return the change with what it does to single pixels, whose places nobody knows."""
-    return replace(change, pixel_misfit=evidence.misfit(change.means, observed=False))
+    misfit = evidence.misfit(change.means, observed=False)
+    return replace(change, pixel_misfit=misfit, pixel_growth=evidence.growth(change.means))
 
 
 def _other_pattern(effect: Departure) -> Departure:
@@ -126,6 +155,7 @@ def _without_tones(change: Change) -> Change:
         np.zeros_like(change.means), np.zeros_like(change.onset), change.pooled, change.rare,
         change.pixel_variance, change.codes, change.tones,
         change.pixel_misfit,
+        change.pixel_growth,
     )  # fmt: skip
 
 
@@ -145,6 +175,7 @@ def _reproduced(one: Change, other: Change, evidence: Evidence) -> Change:
         means, _shrunk(one.onset, other.onset), pooled, half.rare,
         one.pixel_variance, np.concatenate([one.codes, other.codes]), half.tones,
         one.pixel_misfit,
+        one.pixel_growth,
     )  # fmt: skip
 
 

@@ -32,7 +32,9 @@ def plain_model(
     layout: str = "single",
     rows: int | None = None,
 ) -> Model:
-    scale = 2.0 ** (bits - 12)
+    """Return a sensor of the baseline alone, whose read noise is 0.6 DN or more."""
+    gain = max(0.1 * 2.0 ** (bits - 12), 0.05)
+    light = 2.0 ** (bits - 12) * 0.1 / gain
     return Model(
         CameraHeader(
             columns=columns, rows=rows, bit_depth=bits, taps=taps, tap_layout=layout,
@@ -42,12 +44,12 @@ def plain_model(
         (
             Illumination((1.0, 1.05, 0.97, 1.02)),
             Vignette(focal_length_columns=columns * 1.2),
-            Responsivity(10.0, 0.01),
+            Responsivity(10.0 * light, 0.01),
             ShotNoise(),
             FullWell(40_000.0),
             ReadNoise(12.0),
-            SystemGain(0.1 * scale),
-            Offset(64.0 * max(scale, 0.3), 1.0),
+            SystemGain(gain),
+            Offset(64.0 if bits > 8 else 20.0, 1.0),
             Adc(bits),
         ),
     )  # fmt: skip

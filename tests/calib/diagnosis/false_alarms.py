@@ -1,0 +1,54 @@
+"""Measures what chance reaches: the highest score and the worst remainder of clean recordings.
+
+python -m tests.calib.diagnosis.false_alarms [runs]
+"""
+
+import sys
+from collections.abc import Callable
+
+import numpy as np
+from numpy.random import SeedSequence, default_rng
+
+from calib.diagnosis.diagnose import responder_of, signatures_of
+from calib.diagnosis.model import Model
+from calib.diagnosis.remainder import worst
+from calib.diagnosis.search import ranking
+from calib.forward.model import Model as ForwardModel
+from tests.calib.diagnosis.recordings import plain_model, plan, recorded
+
+SENSORS: dict[str, Callable[[], ForwardModel]] = {
+    "line 12 bit": plain_model,
+    "line 10 bit, 2 taps": lambda: plain_model(bits=10, taps=2, layout="odd_even"),
+    "line 14 bit, 4 taps": lambda: plain_model(bits=14, taps=4, layout="quarters"),
+    "line 8 bit": lambda: plain_model(bits=8),
+    "area 12 bit": lambda: plain_model(64, rows=48),
+}
+
+
+def main() -> None:
+    """Print a line per recording: sensor, best name and its score, worst remainder."""
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 10
+    entropy = SeedSequence().entropy
+    print(f"entropy {entropy}")
+    for run in range(runs):
+        name = list(SENSORS)[run % len(SENSORS)]
+        rng = default_rng([int(entropy) % 2**32, run])  # type: ignore[arg-type]
+        model = SENSORS[name]()
+        evidence = recorded(model, plan(rng, 12 if model.camera.rows else 100), rng)
+        responder = responder_of(evidence)
+        signatures = signatures_of(evidence, responder)
+        observed = evidence.observed()
+        point = evidence.point(observed)
+        nothing = Model((), None, observed, point, point)
+        best = ranking(signatures, nothing, evidence, responder)[0]
+        look, sigma = worst(nothing, evidence)
+        chi2 = (point.means**2).sum() / evidence.space.degrees_of_freedom
+        print(
+            f"{name:20s} {best.signature.shape.name:24s} {best.net:7.1f} {look.statistic:18s} "
+            f"{sigma:5.1f}  chi2/dof {chi2:.3f} common {np.sqrt(evidence.common.fixed_dn2):.3f}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

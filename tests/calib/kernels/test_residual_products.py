@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from calib.kernels.expected_histogram import expected_histogram
+from calib.kernels.residual_products import residual_products
+
+NO_PARTNER = np.zeros((0, 12), np.intp)
+
+
+def drawn(rows: int) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng()
+    samples = rng.integers(90, 111, (9, rows, 12)).astype(np.uint16)
+    return samples, samples.mean(axis=0)
+
+
+@pytest.mark.parametrize("rows", [1, 3])
+def test_sums_are_those_of_plain_numpy(rows: int) -> None:
+    samples, mean = drawn(rows)
+    tap = np.broadcast_to(np.arange(12) % 2, (rows, 12)).astype(np.intp)
+    partner = np.where(np.arange(12) < 6, np.arange(12) + 6, -1)[None].astype(np.intp)
+    sums = residual_products(samples, mean, np.full((rows, 12), 1e9), tap, 2, partner)
+    residual = samples - mean
+    of_tap = np.stack([residual[:, :, t::2].mean(axis=2) for t in (0, 1)], axis=2)
+    residual = residual - np.take_along_axis(of_tap, np.broadcast_to(tap, (9, rows, 12)), axis=2)
+    same = {"rtol": 1e-10, "atol": 1e-8}
+    np.testing.assert_allclose(sums.line_means, of_tap, **same)
+    np.testing.assert_allclose(sums.squares, (residual**2).sum(axis=0), **same)
+    np.testing.assert_allclose(sums.fourths, (residual**4).sum(axis=0), **same)
+    for k in (1, 2, 3, 4):
+        products = (residual[:, :, :-k] * residual[:, :, k:]).sum(axis=0)
+        np.testing.assert_allclose(sums.columns[k - 1, :, :-k], products, **same)
+    for k in (1, 2):
+        products = (residual[:-k] * residual[k:]).sum(axis=0)
+        np.testing.assert_allclose(sums.lines[k - 1], products, **same)
+    rowwise = (residual[:, :-1] * residual[:, 1:]).sum(axis=0)
+    np.testing.assert_allclose(sums.rows[:-1], rowwise, **same)
+    pairs = (residual[:, :, :6] * residual[:, :, 6:]).sum(axis=0)
+    np.testing.assert_allclose(sums.partners[0, :, :6], pairs, **same)
+
+
+def test_a_sample_far_off_counts_and_is_left_out() -> None:
+    samples, mean = drawn(1)
+    samples[4, 0, 7] = 1000
+    tap = np.zeros((1, 12), np.intp)
+    sums = residual_products(samples, mean, np.full((1, 12), 60.0), tap, 1, NO_PARTNER)
+    assert sums.outliers.tolist() == [[0] * 7 + [1] + [0] * 4]
+    assert sums.squares.max() < 60.0**2
+
+
+def test_a_line_that_is_off_as_a_whole_is_no_outlier() -> None:
+    samples, mean = drawn(1)
+    samples[0] += 500
+    tap = np.zeros((1, 12), np.intp)
+    sums = residual_products(samples, mean, np.full((1, 12), 60.0), tap, 1, NO_PARTNER)
+    assert sums.outliers.sum() == 0
+    np.testing.assert_allclose(sums.line_means[0, 0, 0], (samples[0] - mean).mean(), rtol=1e-12)
+
+
+def test_expected_histogram_is_that_of_rounded_and_clipped_gaussians() -> None:
+    rng = np.random.default_rng()
+    mean, std = rng.uniform(-1.0, 64.0, 50), rng.uniform(0.2, 6.0, 50)
+    edges = np.concatenate([[-np.inf], np.arange(63) + 0.5, [np.inf]])
+    twin = sum(7.0 * np.diff(norm.cdf(edges, m, s)) for m, s in zip(mean, std, strict=True))
+    # Tails beyond 7 standard deviations are put into the next code: 50 pixels of 7 samples each.
+    np.testing.assert_allclose(expected_histogram(mean, std, 7.0, 64), twin, atol=350 * 3e-12)
