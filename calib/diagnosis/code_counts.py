@@ -42,7 +42,7 @@ class CodeCounts:
         if not fine.any():
             observed[0] = 1.0
         expected = np.zeros(len(observed))
-        for b in np.flatnonzero(fine):
+        for b in np.flatnonzero(fine).tolist():
             each = sums[b]
             mean = each.mean_dn.ravel()
             step = max(1, len(mean) // MOST_PIXELS)
