@@ -30,7 +30,7 @@ CASES = (
     Case("a model of another width", WITH_MODEL, "model-mismatch", ("columns is 1024", "64"), "give the model of this camera"),
     Case("a model of another bit depth", WITH_MODEL, "model-mismatch", ("bit_depth is 10", "12"), "give the model of this camera", several(FITS, lambda folder: (folder / MODEL).write_text((folder / MODEL).read_text().replace("bit_depth = 12", "bit_depth = 10")))),
     Case("a model of another camera", WITH_MODEL, "model-mismatch", ("serial is 'D0002'",), "give the model of this camera", several(FITS, replaced(MODEL, 'serial = "D0001"', 'serial = "D0002"'))),
-    Case("a model in another unit of radiance", WITH_MODEL, "model-unit", ("'candela'",), "give both in one unit", several(FITS, replaced(MODEL, 'radiance_unit = "', 'radiance_unit = "candela'))),
+    Case("a model in another unit of radiance", WITH_MODEL, "model-unit", ("'candela'",), "give both in one unit", several(FITS, replaced(MODEL, 'radiance_unit = "W m-2 sr-1"', 'radiance_unit = "candela"'))),
     Case("a model to calibrate with not found", f"{CALIBRATE} --model nowhere.toml", "unreadable", ("nowhere.toml",), "give a model file"),
     Case("a model with an unknown departure", WITH_MODEL, "unknown-effect", ("'lagg'",), "lag", several(FITS, replaced(MODEL, "[effects.adc]", "[effects.lagg]\nshare = 0.01\n\n[effects.adc]"))),
     Case("a model on a relative scale", f"{WITH_MODEL} --relative", "relative-with-model", ("relative scale",), "give the radiances", FITS),
