@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.mtf.estimation.sandwich import Sandwich
 from calib.mtf.estimation.state import State
 from calib.mtf.harmonic_sums import Complex, Frames
 
@@ -18,7 +19,7 @@ class HarmonicFit:
 
     Attributes:
         state: The estimates.
-        covariance: Of all unknowns, (n_unknowns, n_unknowns).
+        sandwich: The covariance of all unknowns.
         residual: Images less model, gain and offset of each pixel taken off, odd pixels 0.
         noise: Standard deviation of the residual, in the images' unit.
         gain: Of each pixel, less 1, (n_rows, n_columns).
@@ -28,13 +29,18 @@ class HarmonicFit:
     """
 
     state: State
-    covariance: Matrix
+    sandwich: Sandwich
     residual: Frames
     noise: float
     gain: Matrix
     offset: Matrix
     gain_std: float
     good: NDArray[np.bool_]
+
+    @property
+    def covariance(self) -> Matrix:
+        """Of all unknowns, (n_unknowns, n_unknowns)."""
+        return self.sandwich.covariance
 
     @property
     def mean(self) -> float:
@@ -60,8 +66,7 @@ class HarmonicFit:
             at[each, 1 + each] = (by_own * turn).real
             at[each, 1 + n + each] = (by_own * turn * 1j).real
             at[:, 0] = -(self.transfer * turn).real / self.state.amplitude[0].real
-        covariance: Matrix = slope @ self.covariance[: layout.scale, : layout.scale] @ slope.T
-        return covariance
+        return self.sandwich.of(slope)
 
     @cached_property
     def detector_per_um(self) -> NDArray[np.floating]:

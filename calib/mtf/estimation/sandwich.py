@@ -4,13 +4,14 @@ The sandwich holds whatever the noise depends on (shot noise follows the signal)
 are independent. But what is fitted to it weights harmonics with its inverse: a matrix of p unknowns
 estimated from n groups is too small in the directions that its inverse favours, by some p/n, and
 whatever hangs on these is overconfident. So its correlations are drawn towards those of N⁻¹, as
-much as they are noise; its variances stay as they are.
+much as they are noise; variances stay as they are.
 
 Source: Liang and Zeger, Biometrika 73, 13 (1986); Ledoit and Wolf, J. Multivariate Analysis 88, 365
-(2004), whose weight is taken in coordinates in which N is the identity.
+(2004), whose weight is taken where what is expected is the identity.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +26,36 @@ _GROUPS_PER_UNKNOWN = 20
 _CHUNK_BYTES = 1 << 27
 
 
-def sandwich(slopes: Slopes, residual: Frames, normal: Normal, solver: NormalSolver) -> Normal:
-    """Return the covariance of all unknowns, (n_unknowns, n_unknowns).
+@dataclass(frozen=True, eq=False)
+class Sandwich:
+    """A covariance, and what its correlations are drawn to; (n_unknowns, n_unknowns) each.
+
+    Attributes:
+        covariance: N⁻¹·(Σ s·sᵀ)·N⁻¹.
+        alone: N⁻¹.
+        groups: How many equal groups are worth those that it was estimated from.
+    """
+
+    covariance: Normal
+    alone: Normal
+    groups: float
+
+    def of(self, slope: Normal) -> Normal:
+        """Return the covariance of slope·unknowns: its own variances, its correlations drawn.
+
+        Args:
+            slope: (n, n_first), by the first unknowns; the others have no part in it.
+        """
+        n = slope.shape[1]
+        plain, alone = (slope @ each[:n, :n] @ slope.T for each in (self.covariance, self.alone))
+        size = np.sqrt(np.diag(plain) / np.diag(alone))
+        expected = alone * np.multiply.outer(size, size)
+        weight = shrinkage(np.linalg.solve(expected, plain), self.groups)
+        return (1 - weight) * plain + weight * np.asarray(expected)
+
+
+def sandwich(slopes: Slopes, residual: Frames, normal: Normal, solver: NormalSolver) -> Sandwich:
+    """Return the covariance of all unknowns.
 
     Args:
         slopes: The derivatives at the estimate.
@@ -36,11 +65,8 @@ def sandwich(slopes: Slopes, residual: Frames, normal: Normal, solver: NormalSol
     """
     scatter, groups = _scatter_of_scores(slopes, residual, np.diag(normal))
     half = solver.solve(scatter)
-    plain = solver.solve(half.T)
     alone = solver.solve(np.eye(len(normal)))
-    size = np.sqrt(np.diag(plain) / np.diag(alone))
-    weight = shrinkage(half, groups)
-    return (1 - weight) * plain + weight * alone * np.multiply.outer(size, size)
+    return Sandwich(solver.solve(half.T), alone, groups)
 
 
 def shrinkage(whitened: Normal, groups: float) -> float:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from calib.mtf.estimation.compact_psf import Harmonic
 from calib.mtf.estimation.harmonic_fit import HarmonicFit
+from calib.mtf.estimation.sandwich import Sandwich
 from calib.mtf.estimation.state import State
 from calib.mtf.geometry import Alignment, Sampling, Scan
 from calib.mtf.grating.grating import Grating
@@ -105,8 +106,9 @@ def exact_fit(
     variance[1 : len(harmonics) + 1] = np.abs(std * harmonics.amplitude) ** 2
     variance[state.layout.imaginary] = variance[1 : len(harmonics) + 1]
     nothing = np.zeros(shape)
+    covariance = Sandwich(np.diag(variance), np.eye(len(variance)), np.inf)
     return HarmonicFit(
-        state, np.diag(variance), np.zeros((PAPER.positions, *shape)), 0.0, nothing, nothing, 0.0,
+        state, covariance, np.zeros((PAPER.positions, *shape)), 0.0, nothing, nothing, 0.0,
         np.ones(shape, bool),
     )  # fmt: skip
 
