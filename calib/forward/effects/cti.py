@@ -17,6 +17,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from calib.arrays import Columns, Lines
 from calib.errors import InputError
@@ -95,6 +96,10 @@ class Cti(Departure):
             read[..., 1:] += deferred[..., :-1]
             return
         released_share = 1.0 - exp(-1.0 / self.trail_columns)
+        if self.partition_noise == 0.0:
+            # The same recursion without chance: a linear filter along the register.
+            read += lfilter([0.0, released_share], [1.0, released_share - 1.0], deferred, axis=-1)
+            return
         held = deferred[..., 0]
         for column in range(1, read.shape[-1]):
             released = part_of(held, released_share, self.partition_noise, rng)
