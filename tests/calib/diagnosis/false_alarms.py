@@ -39,7 +39,7 @@ def main() -> None:
         signatures = signatures_of(evidence, responder)
         observed = evidence.observed()
         point = evidence.point(observed)
-        nothing = Model((), None, observed, point, point)
+        nothing = Model((), None, observed, point, point, evidence.baseline)
         best = ranking(signatures, nothing, evidence, responder)[0]
         look, sigma = worst(nothing, evidence)
         chi2 = (point.means**2).sum() / evidence.space.degrees_of_freedom

@@ -55,7 +55,9 @@ def plain_model(
     )  # fmt: skip
 
 
-def plan(rng: Generator, n_lines: int = 100, *, temperatures: bool = True) -> list[Block]:
+def plan(
+    rng: Generator, n_lines: int = 100, *, temperatures: bool = True, twice: int = 6
+) -> list[Block]:
     """Return darks and three levels at three exposures, some twice, in an order of chance."""
     wanted: list[tuple[str, float, float]] = []
     for exposure in (200.0, 500.0, 1000.0):
@@ -63,7 +65,7 @@ def plan(rng: Generator, n_lines: int = 100, *, temperatures: bool = True) -> li
             ("dark", exposure, 0.0),
             *(("flat", exposure, level) for level in (1.0, 2.0, 3.0)),
         ]
-    wanted += wanted[:6]
+    wanted += wanted[:twice]
     order = rng.permutation(len(wanted))
     return [
         Block(
