@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from calib.diagnosis.baseline import Baseline
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Model as Found
 from calib.errors import InputError
@@ -24,14 +25,14 @@ def amended_model(
     found: Found, evidence: Evidence, source: SourceHeader, given: Model | None = None
 ) -> Model:
     """Return the fitted baseline, or `given`, with the effects that were found."""
-    model = given if given is not None else _fitted(evidence, source)
+    model = given if given is not None else _fitted(found.baseline, evidence, source)
     for member in found.members:
         model = model.with_effect(member.effect)
     return model
 
 
-def _fitted(evidence: Evidence, source: SourceHeader) -> Model:
-    sensor, base = evidence.sensor, evidence.baseline
+def _fitted(base: Baseline, evidence: Evidence, source: SourceHeader) -> Model:
+    sensor = evidence.sensor
     if sensor.n_pixels > MOST_PIXELS:
         raise InputError(
             f"a model file holds values of {MOST_PIXELS} pixels at most, and this camera has "

@@ -13,7 +13,16 @@ from calib.diagnosis.common_noise import CommonNoise, fit_common_noise
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.mean_space import MeanSpace, mean_space
 from calib.diagnosis.noisy import NOISY_SIGMA, few
-from calib.diagnosis.pooled import KINDS, ONSET_LINES, Counts, Pooled, expected, grouped, pooled
+from calib.diagnosis.pooled import (
+    KINDS,
+    ONSET_LINES,
+    Counts,
+    Pooled,
+    expected,
+    grouped,
+    places,
+    pooled,
+)
 from calib.diagnosis.response import Change
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
@@ -26,6 +35,8 @@ TONE_ERROR = 0.08
 """Of squared amplitudes: a tone lies between two frequencies of the spectrum."""
 STEPS_SIGMA = (5.0, 9.0, 16.0, 40.0)
 """Pixels beyond these are counted, of their variances and of their means' misfit."""
+MAD_OF_NORMAL = 0.6745
+"""Median absolute deviation of a standard normal variable."""
 CHANCE_COUNT = 0.05
 """Variance of a count of pixels that should be 0."""
 CHANCE_RARE = np.array([0.03, 0.03, 0.03, 0.01])
@@ -84,7 +95,7 @@ class Evidence:
     @cached_property
     def places(self) -> dict[str, slice]:
         """Where each kind of pooled statistic stands in a block's vector."""
-        return _places(self.sensor)
+        return places(self.sensor)
 
     @property
     def n_blocks(self) -> int:
@@ -281,6 +292,9 @@ class Evidence:
         return (rare / self._rare_std).ravel()
 
     def _steps(self, z: Floats) -> Floats:
+        """Return how many pixels stand out of all others: what all do is in the means."""
+        middle = np.median(z)
+        z = (z - middle) / max(float(np.median(np.abs(z - middle))) / MAD_OF_NORMAL, 1.0)
         counts = np.array([(z > step).sum() for step in STEPS_SIGMA] + [(z < -5.0).sum()], float)
         return np.asarray(counts / np.sqrt(CHANCE_COUNT + 0.1 * counts))
 
@@ -338,7 +352,7 @@ def noisy_pixels(evidence: Evidence) -> NDArray[np.intp]:
 
 def _common(quiet: Evidence) -> CommonNoise:
     observed = quiet.observed().pooled
-    where = _places(quiet.sensor)
+    where = places(quiet.sensor)
     white = np.stack([mean.of["common"].mean() for mean, _ in quiet._expected])  # noqa: SLF001
     taps = quiet.sensor.n_taps
     own = observed[:, where["common"]].mean(axis=1)
@@ -350,14 +364,3 @@ def _common(quiet: Evidence) -> CommonNoise:
     signal = (quiet.baseline.mean_dn - quiet.baseline.offset_dn).mean(axis=(1, 2))
     freedom = (quiet.n - 1) * quiet.sensor.n_rows
     return fit_common_noise(excess, lagged, white / taps, signal, freedom)
-
-
-def _places(sensor: Sensor) -> dict[str, slice]:
-    sizes = dict.fromkeys(KINDS, sensor.n_groups)
-    sizes |= {"partners": len(sensor.partner), "common": sensor.n_taps}
-    sizes |= {"common_taps": 1, "common_1": 1, "common_2": 1}
-    found, start = {}, 0
-    for kind in KINDS:
-        found[kind] = slice(start, start + sizes[kind])
-        start += sizes[kind]
-    return found

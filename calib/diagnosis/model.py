@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from calib.diagnosis.baseline import Baseline
 from calib.diagnosis.evidence import Point
 from calib.diagnosis.response import Change
 from calib.diagnosis.signatures import Signature
@@ -44,6 +45,7 @@ class Model:
         observed: What was recorded against the baseline.
         residual: Of the whitened statistics.
         first: The residual before any effect.
+        baseline: Fitted beside the effects.
     """
 
     members: tuple[Member, ...]
@@ -51,3 +53,4 @@ class Model:
     observed: Change
     residual: Point
     first: Point
+    baseline: Baseline

@@ -84,6 +84,18 @@ class Counts:
         )
 
 
+def places(sensor: Sensor) -> dict[str, slice]:
+    """Return where each kind of pooled statistic stands in a block's vector."""
+    sizes = dict.fromkeys(KINDS, sensor.n_groups)
+    sizes |= {"partners": len(sensor.partner), "common": sensor.n_taps}
+    sizes |= {"common_taps": 1, "common_1": 1, "common_2": 1}
+    found, start = {}, 0
+    for kind in KINDS:
+        found[kind] = slice(start, start + sizes[kind])
+        start += sizes[kind]
+    return found
+
+
 def grouped(values: Floats, sensor: Sensor) -> Floats:
     """Return sums over each group of pixels, (n_groups,)."""
     sums = np.bincount(sensor.group.ravel(), values.ravel(), sensor.n_groups + 1)
@@ -117,13 +129,17 @@ def pooled(
     return Pooled(of)
 
 
+def settled(n: int) -> int:
+    """Return how many of a block's `n` lines its common noise is told from."""
+    return n - ONSET_LINES if n >= 4 * ONSET_LINES else n
+
+
 def _common(line_means: Floats, n: int) -> dict[str, Floats]:
     """Return variances and covariances of what a line's pixels have in common.
 
     The first lines, where a step from the block before shows, are looked at elsewhere.
     """
-    if n >= 4 * ONSET_LINES:
-        line_means, n = line_means[ONSET_LINES:], n - ONSET_LINES
+    line_means, n = line_means[n - settled(n) :], settled(n)
     centred = line_means - line_means.mean(axis=0)
     n_rows, n_taps = centred.shape[1:]
     tap_pairs = [(a, b) for a in range(n_taps) for b in range(a + 1, n_taps)]
@@ -165,7 +181,7 @@ def expected(
     taps = np.array([variance[sensor.tap == t].mean() for t in range(sensor.n_taps)])
     of_tap = taps / counts.tap_size.mean(axis=0)
     spread = float(np.sqrt((of_tap**2).mean()))
-    kept = n - ONSET_LINES if n >= 4 * ONSET_LINES else n
+    kept = settled(n)
     lines = kept * sensor.n_rows
     tap_of_group = np.arange(sensor.n_groups) // STRETCHES
     # Taking off a line's mean mixes a pixel's variance with those of its tap.

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.evidence import Evidence, Point
 from calib.diagnosis.model import Member, Model
 from calib.diagnosis.projection import orthonormal, without
+from calib.diagnosis.rebase import rebased
 from calib.diagnosis.response import Change, Responder
 from calib.diagnosis.signatures import change_of
 
@@ -33,25 +34,25 @@ def refitted(model: Model, evidence: Evidence, responder: Responder) -> Model:
 
 
 def _fitted(model: Model, evidence: Evidence, responder: Responder) -> Model:
-    members, best = model.members, None
-    for _ in range(STEPS):
-        change = change_of(tuple(m.effect for m in members), evidence, responder)
+    members, best, baseline = model.members, None, model.baseline
+    for turn in range(STEPS):
+        about = responder.about(baseline)
+        change = change_of(tuple(m.effect for m in members), evidence, about)
         residual = model.first - evidence.point(change)
         members = tuple(
-            _differentiated(k, members, change, evidence, responder) for k in range(len(members))
+            _differentiated(k, members, change, evidence, about) for k in range(len(members))
         )
         steps, std = _solved(members, residual, evidence)
         members = _with_std(members, std)
-        now = replace(model, members=members, change=change, residual=residual)
+        now = replace(model, members=members, change=change, residual=residual, baseline=baseline)
         if best is None or misfit(now, evidence) < misfit(best, evidence):
             best = now
         moving = _moving(members)
-        if (
-            not moving.any()
-            or np.max((np.abs(steps) / np.maximum(std, 1e-300))[moving]) < LEAST_STEP
-        ):
+        small = np.abs(steps) < LEAST_STEP * np.maximum(std, 1e-300)
+        if not moving.any() or (small[moving].all() and turn > 0):
             break
         members = _stepped(members, steps)
+        baseline = rebased(baseline, model.observed - change, evidence)
     assert best is not None  # noqa: S101 - a step was taken
     return best
 
@@ -89,7 +90,7 @@ def _solved(
 
 def _prepared(model: Model, evidence: Evidence, responder: Responder) -> Model:
     """Return the model with those inner parameters in the fit that the data determine."""
-    members = list(model.members)
+    members, about = list(model.members), responder.about(model.baseline)
     for k, member in enumerate(members):
         if member.inner:
             continue
@@ -100,7 +101,7 @@ def _prepared(model: Model, evidence: Evidence, responder: Responder) -> Model:
             value = float(getattr(member.signature.shape.template, name))
             trial = replace(member, inner={**inner, name: value})
             moved = [*members[:k], trial, *members[k + 1 :]]
-            direction = _differentiated(k, moved, model.change, evidence, responder).directions[-1]
+            direction = _differentiated(k, moved, model.change, evidence, about).directions[-1]
             rest = without(direction, basis, evidence)
             if evidence.product(rest, rest) > DETERMINED**2:
                 inner[name] = value

@@ -7,15 +7,18 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.baseline import Baseline
 from calib.diagnosis.chain_run import FittedChain, spread_lines
 from calib.diagnosis.code_counts import fine_blocks
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.noisy import NOISY_SIGMA, few
 from calib.diagnosis.pooled import ONSET_LINES, Counts, pooled
 from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.short_blocks import as_of_long_blocks
 from calib.diagnosis.statistics.gather import CUT_SIGMA
 from calib.diagnosis.statistics.rare import rare_counts, rare_trials
 from calib.diagnosis.tones import Peak
+from calib.diagnosis.with_values import with_values
 from calib.forward.departure import Departure
 from calib.forward.effect import Effect, Stage
 from calib.forward.left import Left
@@ -85,11 +88,19 @@ class Responder:
         chain: The baseline.
         counts: Of its sensor.
         peaks: Of the spectrum.
+        plain: What is compared with, where it is not the same chain without effects.
     """
 
     chain: FittedChain
     counts: Counts
     peaks: tuple[Peak, ...] = ()
+    plain: "Responder | None" = None
+
+    def about(self, baseline: Baseline) -> "Responder":
+        """Return what adds effects to the links of `baseline`, and compares as this one does."""
+        if baseline is self.chain.baseline:
+            return self
+        return replace(self, chain=replace(self.chain, baseline=baseline), plain=self.plain or self)
 
     @cached_property
     def n_lines(self) -> int:
@@ -105,7 +116,8 @@ class Responder:
         blocks = range(len(lefts))
         means, onset = zip(*(self._means(b, effects, lefts[b], draw) for b in blocks), strict=True)
         drawn = [self._drawn(b, effects, lefts[b], draw, coded=coded) for b in blocks]
-        plain = [self._plain_drawn(b, draw, coded=coded) for b in blocks]
+        other = self.plain or self
+        plain = [other.plain_drawn(b, draw, coded=coded) for b in blocks]
         weight = self.chain.table.n_lines - 1
         ratio = np.average(
             [d.ratio - p.ratio for d, p in zip(drawn, plain, strict=True)], 0, weight
@@ -116,11 +128,14 @@ class Responder:
         return Change(
             np.stack(means),
             np.stack(onset),
-            np.stack([
-                self._pooled(b, drawn[b].products, sensor, counts)
-                - self._pooled(b, plain[b].products, sensor, counts)
-                for b in blocks
-            ]),
+            as_of_long_blocks(
+                np.stack([
+                    self._pooled(b, drawn[b].products, sensor, counts)
+                    - self._pooled(b, plain[b].products, sensor, counts)
+                    for b in blocks
+                ]),
+                self.n_lines, self.chain.table.n_lines, sensor,
+            ),
             _by_conditions(
                 np.stack([d.rare - p.rare for d, p in zip(drawn, plain, strict=True)]),
                 rare_trials(self.n_lines, self.chain.sensor.n_pixels),
@@ -162,6 +177,8 @@ class Responder:
     ) -> tuple[Floats, Floats]:
         """Return the change of a block's means, (n_pixels,), and of its first lines, (3,)."""
         table, n = self.chain.table, int(self.chain.table.n_lines[b])
+        effects = tuple(_undivided(effect) for effect in effects)
+        left = _as_it_is(left, effects)
         stretches, weights = spread_lines(n)
         if not any(_remembers(e) for e in effects):
             stretches = (np.concatenate(stretches),)
@@ -170,6 +187,7 @@ class Responder:
             before = left
             if len(stretches) > 1 and lines[0] > 0:
                 before = self.chain.left_after(b, int(lines[0]), effects, left)
+                before = _as_it_is(before, effects)
             at = replace(table.at(b, lines), before=before)
             parts.append(self.chain.noise_free(at, effects, b, draw))
         plain = self.chain.baseline.mean_dn[b].ravel()
@@ -204,7 +222,8 @@ class Responder:
             np.bincount(codes, minlength=n_codes) / max(len(codes), 1),
         )
 
-    def _plain_drawn(self, b: int, draw: int, *, coded: bool) -> "_Drawn":
+    def plain_drawn(self, b: int, draw: int, *, coded: bool) -> "_Drawn":
+        """Return the lines of block `b` without effects, drawn once."""
         key = (b, draw, coded)
         if key not in self._plain:
             self._plain[key] = self._drawn(b, (), None, draw, coded=coded)
@@ -243,6 +262,20 @@ def _by_conditions(rates: Floats, trials: Floats, table: ConditionsTable) -> Flo
     smooth = np.asarray(design @ np.linalg.lstsq(design, rates, rcond=None)[0])
     events = np.abs(rates) * trials
     return np.asarray((events * rates + FEW_EVENTS * smooth) / (events + FEW_EVENTS))
+
+
+def _undivided(effect: Effect) -> Effect:
+    """Return the effect with charge parted exactly by its share: what it does on average."""
+    if not isinstance(effect, Departure) or not hasattr(effect, "partition_noise"):
+        return effect
+    return with_values(effect, {"partition_noise": 0.0})
+
+
+def _as_it_is(left: Left | None, effects: Sequence[Effect]) -> Left | None:
+    """Return what was left on average as if drawn, where no effect takes it for whole electrons."""
+    if left is None or not all(hasattr(e, "partition_noise") for e in effects if _remembers(e)):
+        return left
+    return replace(left, drawn=True)
 
 
 def _remembers(effect: Effect) -> bool:

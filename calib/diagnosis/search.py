@@ -46,7 +46,7 @@ def find(signatures: Sequence[Signature], evidence: Evidence, responder: Respond
     """Return the effects that explain the recording better than chance, jointly fitted."""
     observed = evidence.observed()
     residual = evidence.point(observed)
-    model, first_gain = Model((), None, observed, residual, residual), 0.0
+    model, first_gain = Model((), None, observed, residual, residual, evidence.baseline), 0.0
     while len(model.members) < MOST_EFFECTS:
         ranked = ranking(signatures, model, evidence, responder)
         needed = max(THRESHOLD, IMPERFECT * first_gain)
