@@ -5,6 +5,7 @@ import numpy as np
 from calib.diagnosis.baseline import Baseline
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Model as Found
+from calib.diagnosis.rebase import rebased
 from calib.errors import InputError
 from calib.forward.effect import Effect
 from calib.forward.effects.adc import Adc
@@ -25,10 +26,17 @@ def amended_model(
     found: Found, evidence: Evidence, source: SourceHeader, given: Model | None = None
 ) -> Model:
     """Return the fitted baseline, or `given`, with the effects that were found."""
-    model = given if given is not None else _fitted(found.baseline, evidence, source)
+    model = given if given is not None else _fitted(_beside(found, evidence), evidence, source)
     for member in found.members:
         model = model.with_effect(member.effect)
     return model
+
+
+def _beside(found: Found, evidence: Evidence) -> Baseline:
+    """Return the baseline beside what was found, its last step done."""
+    if found.change is None:
+        return found.baseline
+    return rebased(found.baseline, found.observed - found.change, evidence)
 
 
 def _fitted(base: Baseline, evidence: Evidence, source: SourceHeader) -> Model:

@@ -143,6 +143,15 @@ def _moved(member: Member, step: float) -> float:
     return min(max(strength, 0.25 * member.strength), 10.0 * member.strength)
 
 
+def by_events(member: Member) -> bool:
+    """Return whether single events make the effect: a little more of it adds none to a few lines.
+
+    It is compared with none of it then, not with a little more.
+    """
+    shape = member.signature.shape
+    return member.effect.stochastic and not shape.two_sided and member.strength > 0
+
+
 def _differentiated(
     k: int,
     members: Sequence[Member],
@@ -158,6 +167,10 @@ def _differentiated(
     found = []
     if member.signature.shape.fixed:
         trials, found = [], [change]
+    elif by_events(member):
+        others = tuple(m.effect for j, m in enumerate(members) if j != k)
+        alone = change - change_of(others, evidence, responder)
+        trials, found = [], [alone * (member.signature.power / member.strength)]
     for name, value in member.inner.items():
         inner = {**member.inner, name: value * float(np.exp(RELATIVE_STEP))}
         trials.append((replace(member, inner=inner), RELATIVE_STEP))

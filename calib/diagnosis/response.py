@@ -16,7 +16,7 @@ from calib.diagnosis.pooled import ONSET_LINES, Counts, pooled
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.short_blocks import as_of_long_blocks
 from calib.diagnosis.statistics.gather import CUT_SIGMA
-from calib.diagnosis.statistics.rare import rare_counts, rare_trials
+from calib.diagnosis.statistics.rare import rare_counts, rare_trials, repeated_lines
 from calib.diagnosis.tones import Peak
 from calib.diagnosis.with_values import with_values
 from calib.forward.departure import Departure
@@ -170,7 +170,7 @@ class Responder:
 
     def _pooled(self, b: int, products: ResidualProducts, sensor: Sensor, counts: Counts) -> Floats:
         variance = self.chain.baseline.variance_dn2[b]
-        return pooled(products, self.n_lines, variance, sensor, counts).vector()
+        return pooled(products, len(products.line_means), variance, sensor, counts).vector()
 
     def _means(
         self, b: int, effects: Sequence[Effect], left: Left | None, draw: int
@@ -209,16 +209,18 @@ class Responder:
         n_codes = sensor.camera.full_scale_dn + 1
         if coded:
             lines = np.clip(np.floor(lines + 0.5), 0, n_codes - 1)
+        repeated = repeated_lines(lines) if coded else np.zeros(n, bool)
+        lines = lines[~repeated]
         mean, sigma = lines.mean(axis=0), np.sqrt(variance)
         products = residual_products(
             lines, mean, CUT_SIGMA * sigma + 1.0, sensor.tap, sensor.n_taps, sensor.partner
         )
-        rare = rare_counts(lines, mean, sigma, products.outliers)
+        rare = rare_counts(lines, mean, sigma, products.outliers, int(repeated.sum()))
         codes = lines.ravel().astype(np.int64) if coded else np.zeros(0, np.int64)
         return _Drawn(
             products,
             rare / rare_trials(n, sensor.n_pixels),
-            (products.squares / (variance * (n - 1))).ravel(),
+            (products.squares / (variance * max(len(lines) - 1, 1))).ravel(),
             np.bincount(codes, minlength=n_codes) / max(len(codes), 1),
         )
 

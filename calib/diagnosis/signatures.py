@@ -179,7 +179,7 @@ def _reproduced(one: Change, other: Change, evidence: Evidence) -> Change:
         pooled[:, where] *= _share(white[0][:, where], white[1][:, where])
     return Change(
         means, _shrunk(one.onset, other.onset), pooled, half.rare,
-        one.pixel_variance, np.concatenate([one.codes, other.codes]), half.tones,
+        one.pixel_variance, np.stack([one.codes[0], other.codes[-1]]), half.tones,
         one.pixel_misfit,
         one.pixel_growth,
     )  # fmt: skip

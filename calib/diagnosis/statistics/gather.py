@@ -8,7 +8,7 @@ from scipy import fft
 
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums, Floats
-from calib.diagnosis.statistics.rare import rare_counts
+from calib.diagnosis.statistics.rare import rare_counts, repeated_lines
 from calib.kernels.residual_products import residual_products
 from calib.kernels.sums import line_sums
 from calib.recording.protocol import Recording
@@ -54,6 +54,9 @@ def _samples(recording: Recording, name: str, sensor: Sensor) -> NDArray[np.gene
 
 def block_sums(samples: NDArray[np.generic], sensor: Sensor, spectrum_samples: int) -> BlockSums:
     """Return the statistics of codes, (n_lines, n_rows, n_columns)."""
+    repeated = repeated_lines(samples)
+    # A line that comes twice tells nothing of its own.
+    samples = samples[~repeated] if repeated.any() else samples
     n = len(samples)
     flat = np.ascontiguousarray(samples.reshape(n, -1))
     sums = line_sums(flat, sensor.camera.full_scale_dn)
@@ -69,7 +72,7 @@ def block_sums(samples: NDArray[np.generic], sensor: Sensor, spectrum_samples: i
         ((sums.at_zero + sums.at_full_scale) / n).reshape(shape),
         products,
         sigma,
-        rare_counts(samples, mean, sigma, products.outliers),
+        rare_counts(samples, mean, sigma, products.outliers, int(repeated.sum())),
         np.bincount(flat.ravel(), minlength=sensor.camera.full_scale_dn + 1),
         _power(flat[:lines], mean.ravel(), cut.ravel()),
         lines,

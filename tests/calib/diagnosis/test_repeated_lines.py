@@ -1,0 +1,28 @@
+import numpy as np
+
+from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.statistics.gather import block_sums
+from calib.diagnosis.statistics.rare import RARE, repeated_lines
+from calib.recording.header import CameraHeader
+
+CAMERA = CameraHeader(columns=64, bit_depth=12)
+
+
+def noise(n_lines: int, std: float) -> np.ndarray:
+    rng = np.random.default_rng()
+    return np.rint(rng.normal(100.0, std, (n_lines, 1, CAMERA.columns))).astype(np.uint16)
+
+
+def test_lines_that_come_twice_are_counted_and_left_out_of_all_else() -> None:
+    once = noise(50, 2.0)
+    twice = np.repeat(once, np.where(np.isin(np.arange(50), (4, 20, 49)), 2, 1), axis=0)
+    expected, found = (block_sums(lines, Sensor(CAMERA), 1 << 16) for lines in (once, twice))
+    assert found.rare[RARE.index("identical_lines")] == 3
+    assert found.n_lines == 50
+    np.testing.assert_array_equal(found.products.lines, expected.products.lines)
+    np.testing.assert_array_equal(found.histogram, expected.histogram)
+
+
+def test_lines_that_are_alike_since_there_is_no_noise_are_kept() -> None:
+    assert not repeated_lines(noise(50, 0.05)).any()
+    assert not repeated_lines(noise(50, 2.0)).any()
