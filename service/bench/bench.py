@@ -6,8 +6,9 @@ from types import TracebackType
 from typing import Self
 
 from drivers.mock.world import World
-from drivers.ports import LightSource, LightState, LinescanCamera, Monitor, Shutter, never
+from drivers.ports import LightSource, LightState, LinescanCamera, Monitor, Shutter
 from service.bench.all_off import all_off
+from service.bench.endings import Endings
 from service.bench.shielded import shielded
 from service.bench.simulated import Simulated
 
@@ -57,7 +58,7 @@ class Bench:
         self._resources = ExitStack()
         self._afterwards = ExitStack()
         self._is_open = True
-        self._asked_to_end: Callable[[], bool] = never
+        self._endings: Endings | None = None
 
     @property
     def world(self) -> World | None:
@@ -67,11 +68,11 @@ class Bench:
     @property
     def is_ending(self) -> bool:
         """True once a signal asked this process to end."""
-        return self._asked_to_end()
+        return self._endings is not None and self._endings.is_ending
 
-    def end_when(self, asked_to_end: Callable[[], bool]) -> None:
-        """Let `asked_to_end` say when work on this bench is to stop."""
-        self._asked_to_end = asked_to_end
+    def end_with(self, endings: Endings) -> None:
+        """Stop work on this bench, and in the end the process, when a signal asks for it."""
+        self._endings = endings
 
     def keep(self, resources: ExitStack) -> None:
         """Release `resources` on closing, after the lamps are off."""
@@ -111,4 +112,7 @@ class Bench:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        """Close; where a signal came and what it raised got lost on the way, raise that."""
         self.close()
+        if kind is None and self._endings is not None:
+            self._endings.end()

@@ -21,14 +21,27 @@ class Endings:
     is not the main thread: there atexit alone remains.
 
     Attributes:
-        is_ending: True once a signal came. An exception that is raised while a library calls back
-            can get lost there; whoever works for long therefore asks this as well.
+        came: The signal that asks the process to end; None before. An exception that is raised
+            while a library calls back can get lost there: whoever works for long therefore asks
+            `is_ending` as well, and `end` raises it again.
     """
 
     def __init__(self, close: Callable[[], None]) -> None:
-        self.is_ending = False
+        self.came: int | None = None
         self._close = close
         self._before: dict[signal.Signals, Any] = {}
+
+    @property
+    def is_ending(self) -> bool:
+        """True once a signal came."""
+        return self.came is not None
+
+    def end(self) -> None:
+        """End the process the way that runs every `finally`, where a signal asked for it."""
+        if self.came == signal.SIGINT:
+            raise KeyboardInterrupt
+        if self.came is not None:
+            raise SystemExit(128 + self.came)  # the shell's status for a signal
 
     def install(self) -> None:
         """Take over what nobody handles."""
@@ -48,8 +61,5 @@ class Endings:
             self._before.clear()
 
     def _unwind(self, number: int, _frame: FrameType | None) -> None:
-        """End the process the way that runs every `finally`; the shell's status for a signal."""
-        self.is_ending = True
-        if number == signal.SIGINT:
-            raise KeyboardInterrupt
-        raise SystemExit(128 + number)
+        self.came = number
+        self.end()

@@ -39,7 +39,7 @@ def open_bench(bench: Path | str | BenchSettings, *, ask: Ask | None = None) -> 
     endings = Endings(opened.close)
     endings.install()
     opened.on_close(endings.remove)
-    opened.end_when(lambda: endings.is_ending)
+    opened.end_with(endings)
     return opened
 
 

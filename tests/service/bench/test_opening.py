@@ -1,6 +1,7 @@
 import os
 import signal
 import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -103,6 +104,25 @@ def test_sigterm_unwinds_while_a_bench_is_open_and_is_as_before_afterwards():
         signal.raise_signal(signal.SIGTERM)
     assert caught.value.code == 128 + signal.SIGTERM
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+
+
+@pytest.mark.parametrize(
+    ("number", "ending", "code"),
+    [(signal.SIGTERM, SystemExit, 128 + signal.SIGTERM), (signal.SIGINT, KeyboardInterrupt, None)],
+    ids=["SIGTERM", "SIGINT"],
+)
+def test_a_signal_whose_exception_a_library_loses_ends_the_process_all_the_same(
+    number: signal.Signals, ending: type[BaseException], code: int | None
+):
+    def work() -> None:
+        with open_bench(settings("lost")) as bench:
+            with suppress(ending):  # as Python does where a weak reference calls back
+                signal.raise_signal(number)
+            assert bench.is_ending
+
+    with pytest.raises(ending) as caught:
+        work()
+    assert getattr(caught.value, "code", None) == code
 
 
 def test_a_signal_waits_until_the_lamps_are_off():
