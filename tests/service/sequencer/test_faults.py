@@ -1,6 +1,7 @@
 """Whatever goes wrong: lamps off, one clear sentence, and a recording that can be gone on with."""
 
 import contextlib
+import os
 import resource
 import signal
 from collections.abc import Callable, Iterator
@@ -10,9 +11,9 @@ import pytest
 
 from calib.errors import DarkflatError
 from calib.recording.file_recording import FileRecording
-from service.bench import Bench
+from service.bench import Bench, open_bench
 from service.sequencer.run import run_plan
-from tests.service.sequencer.benches import assert_dark, short_plan, whole_blocks
+from tests.service.sequencer.benches import assert_dark, in_process, short_plan, whole_blocks
 
 
 def _camera_gone(bench: Bench) -> None:
@@ -262,11 +263,16 @@ def test_ctrl_c_ends_dark_and_is_passed_on(bench, out):
     assert_dark(bench.world)
 
 
-def test_a_signal_whose_exception_gets_lost_in_a_library_ends_the_run_all_the_same(bench, out):
+def test_a_signal_whose_exception_gets_lost_in_a_library_ends_the_run_all_the_same(out):
     def lose_it():
         with contextlib.suppress(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
 
-    result = run_plan(bench, short_plan(), out, on_progress=at_frame(6, lose_it))
-    assert result.state == "cancelled"
-    assert_dark(bench.world)
+    def work():
+        with open_bench(in_process(f"lost-{os.getpid()}")) as bench:
+            result = run_plan(bench, short_plan(), out, on_progress=at_frame(6, lose_it))
+            assert result.state == "cancelled"
+            assert_dark(bench.world)
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
