@@ -7,7 +7,7 @@ import numpy as np
 
 from calib.diagnosis.chain_run import FittedChain
 from calib.diagnosis.conditions_table import conditions_table
-from calib.diagnosis.evidence import Evidence, evidence_of
+from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.findings import (
     Diagnosis,
     Estimate,
@@ -18,6 +18,7 @@ from calib.diagnosis.findings import (
     ParameterOff,
     Unexplained,
 )
+from calib.diagnosis.fitted_evidence import evidence_of
 from calib.diagnosis.given_model import parameters_off
 from calib.diagnosis.heldout import HeldOut, HeldOutDeviances
 from calib.diagnosis.judgement import Candidate, candidates_of, contribution

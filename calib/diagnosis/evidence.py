@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.baseline import Baseline, fit_baseline
+from calib.diagnosis.baseline import Baseline
 from calib.diagnosis.code_counts import CodeCounts
-from calib.diagnosis.common_noise import CommonNoise, fit_common_noise
+from calib.diagnosis.common_noise import CommonNoise
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.mean_space import MeanSpace, mean_space
-from calib.diagnosis.noisy import NOISY_SIGMA, few
+from calib.diagnosis.point import Point
 from calib.diagnosis.pooled import (
     KINDS,
     ONSET_LINES,
@@ -28,6 +28,7 @@ from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.rare import rare_trials
 from calib.diagnosis.tones import Peak, find_peaks
+from calib.rounding import mean_square_bias
 
 Floats = NDArray[np.float64]
 
@@ -41,31 +42,6 @@ CHANCE_COUNT = 0.05
 """Variance of a count of pixels that should be 0."""
 CHANCE_RARE = np.array([0.03, 0.03, 0.03, 0.01])
 """Likewise of what is counted in a block."""
-
-
-@dataclass(frozen=True)
-class Point:
-    """A whitened vector: of the means, and of all the rest.
-
-    Attributes:
-        means: Projected, (n_blocks, n_pixels).
-        rest: (n_rest,).
-    """
-
-    means: Floats
-    rest: Floats
-
-    def __add__(self, other: "Point") -> "Point":
-        """Return the sum."""
-        return Point(self.means + other.means, self.rest + other.rest)
-
-    def __sub__(self, other: "Point") -> "Point":
-        """Return the difference."""
-        return Point(self.means - other.means, self.rest - other.rest)
-
-    def __mul__(self, factor: float) -> "Point":
-        """Return it scaled."""
-        return Point(self.means * factor, self.rest * factor)
 
 
 @dataclass(frozen=True)
@@ -111,7 +87,9 @@ class Evidence:
     def space(self) -> MeanSpace:
         """The space of the means."""
         variance = self.baseline.variance_dn2.reshape(self.n_blocks, -1)
-        sampling = variance / self.n[:, None] + _rounding_bias2(variance)
+        sampling = variance / self.n[:, None] + mean_square_bias(
+            np.sqrt(np.maximum(variance - 1.0 / 12.0, 0.0))
+        )
         usable = self.baseline.usable.reshape(self.n_blocks, -1)
         weight = np.where(usable, 1.0 / np.sqrt(sampling), 0.0)
         weight[:, list(self.sensor.noisy)] = 0.0
@@ -128,7 +106,8 @@ class Evidence:
         )
 
     @cached_property
-    def _expected(self) -> tuple[tuple[Pooled, Pooled], ...]:
+    def expected(self) -> tuple[tuple[Pooled, Pooled], ...]:
+        """Each block's pooled statistics as the baseline expects them, and their deviations."""
         pairs = []
         for b in range(self.n_blocks):
             gain = self.baseline.gain_dn_per_e[self.sensor.tap]
@@ -145,7 +124,7 @@ class Evidence:
     @cached_property
     def pooled_std(self) -> Floats:
         """Standard deviations of the pooled statistics, (n_blocks, n_pooled); inf: not used."""
-        std = np.stack([std.vector() for _, std in self._expected])
+        std = np.stack([std.vector() for _, std in self.expected])
         if self.kept is not None:
             std[~self.kept] = np.inf
         return std
@@ -162,7 +141,7 @@ class Evidence:
         for b, each in enumerate(self.sums):
             variance = self.baseline.variance_dn2[b]
             values = pooled(each.products, each.n_lines, variance, self.sensor, self.counts)
-            vectors.append(values.vector() - self._expected[b][0].vector())
+            vectors.append(values.vector() - self.expected[b][0].vector())
             line = each.products.line_means.mean(axis=(1, 2))
             k = min(ONSET_LINES, len(line) // 2)
             onset[b, :k] = line[:k] - line[len(line) // 2 :].mean()
@@ -175,7 +154,7 @@ class Evidence:
         return Change(
             means, onset, np.stack(vectors), np.stack(rare), squares / freedom - 1.0,
             self.code_counts.residual(),
-            np.array([p.squared_amplitude_dn2 for p in self.peaks]).reshape(-1, self.n_blocks).T,
+            self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),
             misfit,
             growth,
         )  # fmt: skip
@@ -199,7 +178,7 @@ class Evidence:
             [
                 pool,
                 (change.onset / self._onset_std).ravel(),
-                self._counted(change.rare),
+                (change.rare / self._rare_std).ravel(),
                 self._steps(change.pixel_variance * np.sqrt((self.n - 1).sum() / 2.0)),
                 self._steps(change.pixel_misfit),
                 self._steps(change.pixel_growth),
@@ -235,12 +214,14 @@ class Evidence:
         """Tones that stand out of the spectra."""
         return find_peaks(self.sums, self.signal_dn)
 
+    def _of_peaks(self, values: Sequence[Sequence[float]]) -> Floats:
+        """Return what each peak has in each block, (n_blocks, n_peaks)."""
+        return np.array(values).reshape(-1, self.n_blocks).T
+
     @property
     def _tone_std(self) -> Floats:
-        floor = np.array([p.std_dn2 for p in self.peaks]).reshape(-1, self.n_blocks).T
-        values = (
-            np.array([p.squared_amplitude_dn2 for p in self.peaks]).reshape(-1, self.n_blocks).T
-        )
+        floor = self._of_peaks([p.std_dn2 for p in self.peaks])
+        values = self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks])
         smooth = np.maximum(values, 0.0).mean(axis=0)
         return np.asarray(np.sqrt(floor**2 + 2.0 * floor * smooth + (TONE_ERROR * smooth) ** 2))
 
@@ -288,9 +269,6 @@ class Evidence:
         level = seen.sum(axis=0) / trials.sum(axis=0) * trials
         return np.asarray(np.sqrt(CHANCE_RARE + level) / trials)
 
-    def _counted(self, rare: Floats) -> Floats:
-        return (rare / self._rare_std).ravel()
-
     def _steps(self, z: Floats) -> Floats:
         """Return how many pixels stand out of all others: what all do is in the means."""
         middle = np.median(z)
@@ -318,49 +296,3 @@ class Evidence:
             return np.asarray(square / np.sqrt(2.0 * used))
         third = (square / used) ** (1 / 3)
         return np.asarray((third - (1.0 - 2.0 / (9.0 * used))) / np.sqrt(2.0 / (9.0 * used)))
-
-
-def _rounding_bias2(variance: Floats) -> Floats:
-    """Return the mean square by which rounding biases means, DN^2, from Widrow's theorem."""
-    return np.asarray(
-        (np.exp(-2.0 * np.pi**2 * np.maximum(variance - 1 / 12, 0.0)) / np.pi) ** 2 / 2
-    )
-
-
-def evidence_of(sums: Sequence[BlockSums], table: ConditionsTable, sensor: Sensor) -> Evidence:
-    """Return the evidence of a recording with the baseline fitted to it."""
-    scenes = np.array([block.kind == "scene" for block in table.blocks])
-    baseline = fit_baseline(sums, table, sensor, scenes)
-    plain = Evidence(
-        tuple(sums), table, sensor, baseline, Counts.of(sensor), CommonNoise(0.0, 0.0, 1.0)
-    )
-    noisy = noisy_pixels(plain)
-    if len(noisy) == 0:
-        return replace(plain, common=_common(plain))
-    cleaned = Sensor(sensor.camera, tuple(int(p) for p in noisy))
-    again = replace(plain, sensor=cleaned, counts=Counts.of(cleaned), whole=plain.space)
-    return replace(again, common=_common(again))
-
-
-def noisy_pixels(evidence: Evidence) -> NDArray[np.intp]:
-    """Return the pixels whose variances or means are far off, (n,); none where they are many."""
-    change = evidence.observed()
-    z = change.pixel_variance * np.sqrt((evidence.n - 1).sum() / 2.0)
-    off = (z > NOISY_SIGMA) | (change.pixel_misfit > NOISY_SIGMA)
-    return few(np.flatnonzero(off), len(z))
-
-
-def _common(quiet: Evidence) -> CommonNoise:
-    observed = quiet.observed().pooled
-    where = places(quiet.sensor)
-    white = np.stack([mean.of["common"].mean() for mean, _ in quiet._expected])  # noqa: SLF001
-    taps = quiet.sensor.n_taps
-    own = observed[:, where["common"]].mean(axis=1)
-    cross = observed[:, where["common_taps"]].mean(axis=1)
-    excess = own / taps + cross * (taps - 1) / taps
-    lagged = observed[:, where["common_1"]].mean(axis=1) + observed[:, where["common_2"]].mean(
-        axis=1
-    )
-    signal = (quiet.baseline.mean_dn - quiet.baseline.offset_dn).mean(axis=(1, 2))
-    freedom = (quiet.n - 1) * quiet.sensor.n_rows
-    return fit_common_noise(excess, lagged, white / taps, signal, freedom)

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.evidence import Evidence, Point
+from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Model
+from calib.diagnosis.point import Point
 from calib.diagnosis.projection import orthonormal, without
 from calib.diagnosis.response import Change
 

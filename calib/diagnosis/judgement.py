@@ -6,6 +6,7 @@ from math import exp, log
 
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Member, Model
+from calib.diagnosis.point import Point
 from calib.diagnosis.projection import orthonormal, without
 from calib.diagnosis.response import Responder
 from calib.diagnosis.search import Score, scores
@@ -74,7 +75,7 @@ def candidates_of(
     )
 
 
-def contribution(member: Member):  # type: ignore[no-untyped-def]
+def contribution(member: Member) -> Point:
     """Return what the member contributes, linearly: its strength times its direction."""
     if member.signature.shape.fixed:
         return member.directions[0]

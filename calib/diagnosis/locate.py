@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.evidence import Evidence, Point
+from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.findings import Where
+from calib.diagnosis.point import Point
 
 Floats = NDArray[np.float64]
 

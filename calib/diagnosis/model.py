@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from calib.diagnosis.baseline import Baseline
-from calib.diagnosis.evidence import Point
+from calib.diagnosis.point import Point
 from calib.diagnosis.response import Change
 from calib.diagnosis.signatures import Signature
 from calib.forward.departure import Departure

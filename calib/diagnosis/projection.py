@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calib.diagnosis.evidence import Evidence, Point
+from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.point import Point
 
 
 def orthonormal(directions: Sequence[Point], evidence: Evidence) -> list[Point]:

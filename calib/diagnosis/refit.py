@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.evidence import Evidence, Point
+from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Member, Model
+from calib.diagnosis.point import Point
 from calib.diagnosis.projection import orthonormal, without
 from calib.diagnosis.rebase import rebased
 from calib.diagnosis.response import Change, Responder

@@ -6,8 +6,9 @@ from math import log
 
 import numpy as np
 
-from calib.diagnosis.evidence import Evidence, Point
+from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Member, Model
+from calib.diagnosis.point import Point
 from calib.diagnosis.projection import orthonormal, without
 from calib.diagnosis.refit import refitted
 from calib.diagnosis.response import Responder

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.evidence import Evidence, Point
+from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.point import Point
 from calib.diagnosis.response import Change, Responder
 from calib.diagnosis.shapes import Shape
 from calib.diagnosis.with_values import with_values

@@ -5,9 +5,10 @@ python -m tests.calib.diagnosis.false_alarms [runs]
 
 import sys
 from collections.abc import Callable
+from secrets import randbits
 
 import numpy as np
-from numpy.random import SeedSequence, default_rng
+from numpy.random import default_rng
 
 from calib.diagnosis.diagnose import responder_of, signatures_of
 from calib.diagnosis.model import Model
@@ -28,11 +29,11 @@ SENSORS: dict[str, Callable[[], ForwardModel]] = {
 def main() -> None:
     """Print a line per recording: sensor, best name and its score, worst remainder."""
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 10
-    entropy = SeedSequence().entropy
+    entropy = randbits(32)
     print(f"entropy {entropy}")
     for run in range(runs):
         name = list(SENSORS)[run % len(SENSORS)]
-        rng = default_rng([int(entropy) % 2**32, run])  # type: ignore[arg-type]
+        rng = default_rng([entropy, run])
         model = SENSORS[name]()
         evidence = recorded(model, plan(rng, 12 if model.camera.rows else 100), rng)
         responder = responder_of(evidence)

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.random import Generator
 
 from calib.diagnosis.conditions_table import conditions_table
-from calib.diagnosis.evidence import Evidence, evidence_of
+from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.fitted_evidence import evidence_of
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.gather import block_sums
 from calib.forward.effect import Effect

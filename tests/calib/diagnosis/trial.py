@@ -8,9 +8,10 @@
 import sys
 import time
 from collections.abc import Sequence
+from secrets import randbits
 
 import numpy as np
-from numpy.random import SeedSequence, default_rng
+from numpy.random import default_rng
 
 from calib.diagnosis.diagnose import examine
 from calib.forward.effect import Effect
@@ -64,13 +65,13 @@ def effects_of(name: str, values: dict[str, object], seed: int) -> Sequence[Effe
         return ()
     kind = effect_named(name)
     seeds = {key: seed for key in ("seed", "pattern_seed", "dsnu_seed") if hasattr(kind(), key)}
-    return (kind(**values, **seeds),)  # type: ignore[arg-type]
+    return (kind(**values, **seeds),)
 
 
 def main() -> None:
     """Print a line per effect: how often it is named first, is among the names, alone; and why."""
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 2
-    entropy = SeedSequence().entropy
+    entropy = randbits(32)
     print(f"entropy {entropy}")
     print(f"{'effect':26s} first among alone  sigma  unexpl  z            s   others")
     for k, (name, values) in enumerate(CASES):
@@ -79,7 +80,7 @@ def main() -> None:
         first = among = alone = unexplained = 0
         sigmas, z, seconds, said = [], [], [], []
         for run in range(runs):
-            rng = default_rng([int(entropy) % 2**32, k, run])  # type: ignore[arg-type]
+            rng = default_rng([entropy, k, run])
             taps = name in {"tap_crosstalk", "tap_gain_drift"}
             model = plain_model(taps=2, layout="odd_even") if taps else plain_model()
             evidence = recorded(
