@@ -1,9 +1,14 @@
 """Scoring, held against a diagnosis whose behaviour is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import binom, norm
 
+from calib.forward.effects.catalogue import effect_named
+from calib.forward.parameter import parameters_of
+from tests.concealed.generator.answer import Answer
 from tests.concealed.generator.catalogue import LISTED
 from tests.concealed.scoring.confusion import confusion
 from tests.concealed.scoring.intervals import Share
@@ -25,6 +30,7 @@ from tests.concealed.scoring.reliability import (
     reliability_curve,
     statements,
 )
+from tests.concealed.scoring.strengths import COMPARED, strength_z
 from tests.concealed.scoring.summary import as_markdown, claims
 from tests.concealed.scripted import finding, honest_run, named, truth
 
@@ -138,3 +144,37 @@ def test_the_tables_name_every_effect_and_every_claim() -> None:
         reached["named first, where clearly seen and told apart"] is False
     )  # three in four, by its own word
     assert claims([])[0].reached is None
+
+
+def test_parameters_are_held_against_what_was_hidden() -> None:
+    rng = RNG(5)
+    stated, true, std = 0.0121, 0.012, 0.0002
+    effect = {
+        "name": "interpixel_capacitance",
+        "shape": "nearest",
+        "parameters": {"strength": true},
+    }
+    bent = {"name": "nonlinearity", "shape": "quadratic",
+            "parameters": {"strength": 0.01, "sign": -1.0}}  # fmt: skip
+    other = {"name": "lag", "shape": "barrier", "parameters": {"strength": 0.1}}
+    told = {"effects": [effect, bent, other], "scale": {"top_signal_dn": 2000.0}}
+    names = ("interpixel_capacitance", "nonlinearity", "lag", "banding")
+    case = replace(
+        named("triple", (), tuple(finding(name, 0.9, "cti") for name in names)),
+        parameters=(
+            {"column_coupling": {"value": stated, "std": std}},
+            {"beta_per_dn": {"value": -5.2e-6, "std": 1e-7}},
+            {"share": {"value": 0.1, "std": 0.01}},
+            {"amplitude_dn": {"value": rng.uniform(), "std": 0.1}},
+        ),
+        answer=Answer(told, {}),
+    )
+    found = strength_z([case])
+    assert [name for name, _ in found] == ["interpixel_capacitance", "nonlinearity"]
+    assert [z for _, z in found] == pytest.approx([0.5, -2.0])
+
+
+def test_every_comparison_is_with_a_shape_that_is_hidden_and_a_parameter_that_is_fitted() -> None:
+    for name, compared in COMPARED.items():
+        assert set(compared.shapes) <= set(LISTED[name].shapes)
+        assert compared.parameter in parameters_of(effect_named(name))

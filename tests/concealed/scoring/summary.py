@@ -4,6 +4,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
 
 from tests.concealed.generator.catalogue import LISTED
 from tests.concealed.scoring.intervals import Share
@@ -26,6 +28,7 @@ from tests.concealed.scoring.reliability import (
     reliability_curve,
     statements,
 )
+from tests.concealed.scoring.strengths import strength_z
 
 
 @dataclass(frozen=True)
@@ -70,19 +73,32 @@ def _numbers(every: Sequence[Outcome]) -> list[Claim]:
     error = expected_calibration_error(curve)
     gains = held_out_gains(every)
     gain = float(np.median(gains)) if gains else float("nan")
+    z = np.array([value for _, value in strength_z(every)])
+    spread = float(np.sqrt(np.mean(z**2))) if len(z) else float("nan")
     return [
         Claim(f"expected calibration error of {len(stated)} candidates", f"{error:.3f}", "<= 0.03",
               error <= 0.03 if stated else None),
         Claim("bins of stated probability that are kept",
               f"{sum(one.kept for one in curve)} of {len(curve)}", "all",
               all(one.kept for one in curve) if curve else None),
-        Claim(f"held-out gain of {len(gains)} rightly named, median of a saturated model's",
-              f"{100 * gain:.1f} %", "-", None),
+        Claim(f"held-out gain of {len(gains)} rightly named over the true model's, median",
+              f"{100 * gain:.1f} %", ">= 95 %", gain >= 0.95 if gains else None),
+        Claim(f"root mean square z of {len(z)} parameters (median |z| / 0.674)",
+              f"{spread:.2f} ({_middle(z):.2f})", "1 ± 0.15",
+              abs(spread - 1.0) <= 0.15 if len(z) else None),
     ]  # fmt: skip
 
 
+def _middle(z: NDArray[np.float64]) -> float:
+    """Return the scatter that half of the errors show: a few far ones do not move it."""
+    return float(np.median(np.abs(z))) / float(norm.ppf(0.75)) if len(z) else float("nan")
+
+
 def held_out_gains(every: Sequence[Outcome]) -> list[float]:
-    """Return, of rightly named findings, which share of the explicable was explained."""
+    """Return, of rightly named findings, which share of what the true model gains was gained.
+
+    The true model leaves chance alone: a deviance of one per number predicted, on average.
+    """
     return [
         finding.fraction_explained
         for one in every
