@@ -81,7 +81,7 @@ def test_silicon_at_room_temperature_doubles_its_dark_current_every_five_to_nine
 
 def test_taps_part_without_moving_their_mean() -> None:
     sensor = level_sensor(layout="odd_even")
-    drift = TapGainDrift(0.01, "linear", 1, 1.0, 0.5)
+    drift = TapGainDrift(0.01, "linear", 1.0, 0.5, 1)
     at = scan_of(sensor, 10, started_s=9.988)
     dn = np.asarray(drift.act(np.ones((10, 1, 64)), at, {}, RNG(0)))[-1, 0]
     assert dn[1::2].mean() - dn[0::2].mean() == pytest.approx(0.01, rel=2e-3)

@@ -9,49 +9,36 @@ from numpy.random import Generator
 
 from tests.concealed.generator import courses
 from tests.concealed.generator.mechanism import Mechanism, Pixels, Stage, drifting_sign
+from tests.concealed.generator.mechanisms.drifting import Drifting
 from tests.concealed.generator.scan import Memory, Scan
 from tests.concealed.generator.setting import Setting
 
 
 @dataclass(frozen=True)
-class GainDrift(Mechanism):
+class GainDrift(Drifting):
     """The system gain takes a course in time, at all taps alike."""
 
     name: ClassVar[str] = "gain_drift"
     stage: ClassVar[Stage] = Stage.VOLTS
     unit: ClassVar[str] = "1"
-    shapes: ClassVar[tuple[str, ...]] = courses.KNOWN
-    foreign: ClassVar[tuple[str, ...]] = courses.FOREIGN
-
-    sign: float
-    constant: float
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
         return 2.0 * setting.mean_limit, 12.0 * setting.covariance_limit
 
-    @classmethod
-    def draw(cls, strength: float, shape: str, setting: Setting, rng: Generator) -> "GainDrift":
-        return cls(strength, shape, drifting_sign(rng), courses.draw_constant(rng))
-
     def act(self, signal: Pixels, scan: Scan, memory: Memory, rng: Generator) -> Pixels:
-        change = courses.course(self.shape, self.constant, scan.share)
-        return signal * (1.0 + self.sign * self.strength * change)
+        return signal * (1.0 + self.change(scan))
 
 
 @dataclass(frozen=True)
-class TapGainDrift(Mechanism):
+class TapGainDrift(Drifting):
     """One tap's gain drifts against the others'."""
 
     name: ClassVar[str] = "tap_gain_drift"
     stage: ClassVar[Stage] = Stage.VOLTS
     unit: ClassVar[str] = "1"
-    shapes: ClassVar[tuple[str, ...]] = courses.KNOWN
-    foreign: ClassVar[tuple[str, ...]] = courses.FOREIGN
 
     tap: int
-    sign: float
-    constant: float
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
@@ -60,45 +47,32 @@ class TapGainDrift(Mechanism):
     @classmethod
     def draw(cls, strength: float, shape: str, setting: Setting, rng: Generator) -> "TapGainDrift":
         tap = int(rng.integers(setting.sensor.n_taps))
-        return cls(strength, shape, tap, drifting_sign(rng), courses.draw_constant(rng))
+        return cls(strength, shape, drifting_sign(rng), courses.draw_constant(rng), tap)
 
     @classmethod
     def can_show(cls, setting: Setting) -> bool:
         return setting.sensor.n_taps >= 2
 
     def act(self, signal: Pixels, scan: Scan, memory: Memory, rng: Generator) -> Pixels:
-        change = courses.course(self.shape, self.constant, scan.share)
         here = scan.sensor.taps == self.tap
-        return np.asarray(
-            signal * (1.0 + self.sign * self.strength * change * (here - here.mean()))
-        )
+        return np.asarray(signal * (1.0 + self.change(scan) * (here - here.mean())))
 
 
 @dataclass(frozen=True)
-class OffsetDrift(Mechanism):
+class OffsetDrift(Drifting):
     """The offset takes a course in time."""
 
     name: ClassVar[str] = "offset_drift"
     stage: ClassVar[Stage] = Stage.OFFSET
     unit: ClassVar[str] = "DN"
-    shapes: ClassVar[tuple[str, ...]] = courses.KNOWN
-    foreign: ClassVar[tuple[str, ...]] = courses.FOREIGN
-
-    sign: float
-    constant: float
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
         limit = offset_limit(setting)
         return 2.0 * limit, 500.0 * limit
 
-    @classmethod
-    def draw(cls, strength: float, shape: str, setting: Setting, rng: Generator) -> "OffsetDrift":
-        return cls(strength, shape, drifting_sign(rng), courses.draw_constant(rng))
-
     def act(self, signal: Pixels, scan: Scan, memory: Memory, rng: Generator) -> Pixels:
-        change = courses.course(self.shape, self.constant, scan.share)
-        return signal + self.sign * self.strength * change
+        return signal + self.change(scan)
 
 
 @dataclass(frozen=True)

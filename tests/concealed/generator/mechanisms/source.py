@@ -6,36 +6,26 @@ from typing import ClassVar
 import numpy as np
 from numpy.random import Generator
 
-from tests.concealed.generator import courses
-from tests.concealed.generator.mechanism import Mechanism, Pixels, Stage, drifting_sign
+from tests.concealed.generator.mechanism import Mechanism, Pixels, Stage
+from tests.concealed.generator.mechanisms.drifting import Drifting
 from tests.concealed.generator.scan import Memory, Scan
 from tests.concealed.generator.setting import Setting
 
 
 @dataclass(frozen=True)
-class LampDrift(Mechanism):
+class LampDrift(Drifting):
     """The source's radiance takes a course in time."""
 
     name: ClassVar[str] = "lamp_drift"
     stage: ClassVar[Stage] = Stage.LAMP
     unit: ClassVar[str] = "1"
-    shapes: ClassVar[tuple[str, ...]] = courses.KNOWN
-    foreign: ClassVar[tuple[str, ...]] = courses.FOREIGN
-
-    sign: float
-    constant: float
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
         return 2.0 * setting.mean_limit, 500.0 * setting.mean_limit
 
-    @classmethod
-    def draw(cls, strength: float, shape: str, setting: Setting, rng: Generator) -> "LampDrift":
-        return cls(strength, shape, drifting_sign(rng), courses.draw_constant(rng))
-
     def act(self, signal: Pixels, scan: Scan, memory: Memory, rng: Generator) -> Pixels:
-        change = courses.course(self.shape, self.constant, scan.share)
-        return signal * (1.0 + self.sign * self.strength * change)
+        return signal * (1.0 + self.change(scan))
 
 
 @dataclass(frozen=True)
