@@ -1,23 +1,26 @@
-"""Runs the fitted chain with and without effects, on few lines of every block.
+"""Runs the fitted chain with and without effects, on few lines of all blocks together.
 
-The links draw from generators of their own, the same in every run, so that the difference of two
-runs is what an effect does and not what chance does. Codes are rounded only for effects of codes:
-rounding would hide small changes of a single sample.
+The links get the same noise in every run, so that the difference of two runs is what an effect does
+and not what chance does; what stands before the effect is run once. Codes are rounded only for
+effects of codes: rounding would hide small changes of a single sample.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 from zlib import crc32
 
 import numpy as np
 from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
 
-from calib.arrays import Columns
 from calib.diagnosis.baseline import Baseline
 from calib.diagnosis.conditions_table import ConditionsTable
+from calib.diagnosis.designed_noise import DesignedNoise, Prepared
+from calib.diagnosis.designed_normals import designed_normals
 from calib.diagnosis.fitted_links import (
+    FittedLink,
     GaussianShotNoise,
     Light,
     PixelGain,
@@ -26,7 +29,8 @@ from calib.diagnosis.fitted_links import (
     Response,
 )
 from calib.diagnosis.sensor import Sensor
-from calib.forward.chain import expected_left
+from calib.diagnosis.stack import Stack
+from calib.forward.chain import without_noise
 from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect, Stage
 from calib.forward.effects.adc import Adc
@@ -37,6 +41,8 @@ from calib.forward.remembering import Remembering
 Floats = NDArray[np.float64]
 _UNUSED = default_rng(0)
 _NOISE = ("shot_noise", "read_noise")
+KEPT_SAMPLES = 1 << 22
+"""A signal of so many samples is kept for the next run; a longer one is made anew."""
 
 
 @dataclass(frozen=True)
@@ -85,8 +91,9 @@ class FittedChain:
 
     def left_before(self, effects: Sequence[Effect]) -> tuple[Left | None, ...]:
         """Return what each block finds in the pixels on average; None where nothing remembers."""
+        none = (None,) * len(self.table.blocks)
         if not any(isinstance(effect, Remembering) for effect in effects):
-            return (None,) * len(self.table.blocks)
+            return none
         found: list[Left | None] = []
         left: Left | None = None
         for b, n in enumerate(self.table.n_lines):
@@ -98,53 +105,158 @@ class FittedChain:
         self, b: int, n: int, effects: Sequence[Effect], before: Left | None
     ) -> Left | None:
         """Return what the first `n` lines of block `b` leave on average."""
-        at = replace(self.table.at(b, np.arange(n, dtype=np.float64)), before=before)
-        return expected_left(self._chain(effects), np.zeros((1, *self.sensor.sample)), at)
+        if n == 0 or not any(isinstance(effect, Remembering) for effect in effects):
+            return before
+        at = replace(self._first_lines(b, n), before=before)
+        states = {
+            effect.name: effect.expected_left(signals[b][None], at)
+            for effect, signals in self._remembered(tuple(effects))
+        }
+        return Left(at.ended_s, states, drawn=False)
 
-    def noise_free(self, at: Conditions, effects: Sequence[Effect], b: int, draw: int) -> Floats:
-        """Return the mean DN, (n_lines, n_pixels), of lines under `at`; effects may be random."""
+    def _first_lines(self, b: int, n: int) -> Conditions:
+        if (b, n) not in self._seen:
+            self._seen[b, n] = self.table.at(b, np.arange(n, dtype=np.float64))
+        return self._seen[b, n]
+
+    def _remembered(self, effects: tuple[Effect, ...]) -> list[tuple[Remembering, Floats]]:
+        """Return effects that remember and what each block brings them, (n_blocks, *sample)."""
+        if self._last[:1] != [effects]:
+            middles = [(b, np.array([(n - 1) / 2])) for b, n in enumerate(self.table.n_lines)]
+            stack, chain = Stack.of(self.table, middles, "middle"), self._chain(effects)
+            found = [
+                (x, self.run(stack, without_noise(chain[:k]), 0, noise=0.0))
+                for k, x in enumerate(chain)
+                if isinstance(x, Remembering)
+            ]
+            self._last[:] = [effects, found]
+        return list(self._last[1])
+
+    def noise_free(self, stack: Stack, effects: Sequence[Effect], draw: int) -> Floats:
+        """Return the mean DN, (n_lines, n_pixels); effects of single events have these drawn."""
         links = [x for x in self._chain(effects) if x.name not in _NOISE and x.name != "adc"]
-        return self._run(links, at, b, draw).reshape(at.n_lines, -1)
+        return self.run(stack, links, draw, noise=0.0).reshape(stack.n_lines, -1)
 
-    def drawn(self, at: Conditions, effects: Sequence[Effect], b: int, draw: int) -> Floats:
-        """Return lines drawn under `at`, (n_lines, n_rows, n_columns)."""
-        coded = any(e.stage >= Stage.CODES for e in effects)
+    def drawn(self, stack: Stack, effects: Sequence[Effect], draw: int, *, coded: bool) -> Floats:
+        """Return drawn lines, (n_lines, n_rows, n_columns), whole codes where `coded`."""
         links = [x for x in self._chain(effects) if coded or x.name != "adc"]
-        drawn = self._run(links, at, b, draw)
-        return drawn.reshape(at.n_lines, self.sensor.n_rows, self.sensor.n_columns)
+        drawn = self.run(stack, links, draw, noise=1.0)
+        return drawn.reshape(stack.n_lines, self.sensor.n_rows, self.sensor.n_columns)
+
+    def has_events(self, effect: Effect) -> bool:
+        """Return whether chance has a part in an effect: noise that moments do not tell."""
+        if not effect.stochastic:
+            return False
+        if effect.name not in self._events:
+            at, shape = self.table.at(0, np.arange(2.0)), (2, *self.sensor.sample)
+            rng = DesignedNoise([self.seed], shape, 0, 0, noise=1.0)
+            effect.apply(np.full(shape, 100.0), at, rng)
+            self._events[effect.name] = rng.events
+        return self._events[effect.name]
 
     def _chain(self, effects: Sequence[Effect]) -> tuple[Effect, ...]:
         return tuple(sorted((*self.links, *effects), key=place_of))
 
-    def _run(self, links: Sequence[Effect], at: Conditions, b: int, draw: int) -> Floats:
-        signal: Floats = np.zeros((at.n_lines, *self.sensor.sample))
-        exposed = False
-        for link in links:
+    def run(self, stack: Stack, links: Sequence[Effect], draw: int, *, noise: float) -> Floats:
+        """Return the signal after `links`, (n_lines, *sample)."""
+        known = 0
+        while known < len(links) and isinstance(links[known], FittedLink):
+            known += 1
+        exposed, signal = self._before(stack, tuple(links[:known]), draw, noise)
+        at = list(stack.at)
+        for link in links[known:]:
             if not exposed and link.stage > Stage.SOURCE:
-                signal, exposed = signal * at.exposure_us, True
-            signal = np.asarray(link.apply(signal, at, self._rng(link, b, draw)), np.float64)
-            at = link.conditions_after(at)
+                signal = signal * stack.by_line([a.exposure_us for a in at], signal.ndim)
+                exposed = True
+            signal = self._through(link, signal, stack, at, draw, noise)
+            if type(link).conditions_after is not Effect.conditions_after:
+                at = [link.conditions_after(a) for a in at]
         return signal
 
-    def _rng(self, link: Effect, b: int, draw: int) -> Generator:
+    def _before(
+        self, stack: Stack, links: tuple[Effect, ...], draw: int, noise: float
+    ) -> tuple[bool, Floats]:
+        """Return whether light has been exposed and the signal after links of the baseline."""
+        if not links:
+            return False, np.zeros((stack.n_lines, *self.sensor.sample))
+        key = (stack.key, tuple(x.name for x in links), draw, noise)
+        if key in self._kept:
+            return self._kept[key]
+        exposed, signal = self._before(stack, links[:-1], draw, noise)
+        link, at = links[-1], list(stack.at)
+        if not exposed and link.stage > Stage.SOURCE:
+            signal = signal * stack.by_line([a.exposure_us for a in at], signal.ndim)
+            exposed = True
+        signal = self._through(link, signal, stack, at, draw, noise)
+        if signal.size <= KEPT_SAMPLES:
+            self._kept[key] = exposed, signal
+        return exposed, signal
+
+    def _through(  # noqa: PLR0917 - all that a link sees
+        self,
+        link: Effect,
+        signal: Floats,
+        stack: Stack,
+        at: Sequence[Conditions],
+        draw: int,
+        noise: float,
+    ) -> Floats:
+        if isinstance(link, Light):
+            light = [link.seen(a) for a in at]
+            return np.asarray(signal + stack.by_line(light, signal.ndim))
+        if isinstance(link, FittedLink):
+            rng = Prepared(self._normals(stack, link, draw)) if link.stochastic else _UNUSED
+            return np.asarray(link.apply(signal, at[0], rng), np.float64)
+        if isinstance(link, Adc):
+            return np.asarray(link.apply(signal, at[0], _UNUSED), np.float64)
+        after = np.empty_like(signal)
+        for b, where, a in zip(stack.blocks, stack.parts, at, strict=True):
+            rng = self._rng(link, b, draw, signal[where].shape, noise)
+            after[where] = link.apply(signal[where], a, rng)
+        return after
+
+    def _normals(self, stack: Stack, link: Effect, draw: int) -> Floats:
+        """Return the normal numbers of a noisy link, (n_lines, *sample)."""
+        key, source = (stack.key, link.name, draw), _NOISE.index(link.name)
+        if key in self._numbers:
+            return self._numbers[key]
+        sample = self.sensor.sample
+        found = np.concatenate(
+            [
+                designed_normals(a.n_lines, sample, b + 13 * draw, source)
+                for b, a in zip(stack.blocks, stack.at, strict=True)
+            ]
+        )
+        if found.size <= KEPT_SAMPLES:
+            self._numbers[key] = found
+        return found
+
+    def _rng(
+        self, link: Effect, b: int, draw: int, shape: tuple[int, ...], noise: float
+    ) -> Generator:
         if not link.stochastic:
             return _UNUSED
-        return default_rng([self.seed, crc32(link.name.encode()), b, draw])
+        name = crc32(link.name.encode())
+        # Sources of noise beyond the baseline's own take arrays of their own.
+        source = 2 * (1 + name % 5)
+        return DesignedNoise([self.seed, name, b, draw], shape, b + 13 * draw, source, noise=noise)
 
+    @cached_property
+    def _kept(self) -> dict[tuple[str, tuple[str, ...], int, float], tuple[bool, Floats]]:
+        return {}
 
-def spread_lines(n: int) -> tuple[tuple[Columns, ...], Columns]:
-    """Return stretches of lines that stand for a block of `n`, and the weight of each line.
+    @cached_property
+    def _numbers(self) -> dict[tuple[str, str, int], Floats]:
+        return {}
 
-    The first lines count for themselves, since there a step from the block before shows.
-    """
-    if n <= 16:
-        return (np.arange(n, dtype=np.float64),), np.full(n, 1.0 / n)
-    starts = (0, n // 8, n // 4, n // 2, 3 * n // 4, n - 2)
-    lengths = (6, 1, 1, 2, 1, 2)
-    stretches: list[Columns] = []
-    for start, length in zip(starts, lengths, strict=True):
-        first = max(start, int(stretches[-1][-1]) + 1 if stretches else 0)
-        stretches.append(np.arange(first, min(first + length, n), dtype=np.float64))
-    lines = np.concatenate(stretches)
-    edges = np.concatenate([[-0.5], (lines[1:] + lines[:-1]) / 2, [n - 0.5]])
-    return tuple(s for s in stretches if len(s)), np.diff(edges) / n
+    @cached_property
+    def _seen(self) -> dict[tuple[int, int], Conditions]:
+        return {}
+
+    @cached_property
+    def _events(self) -> dict[str, bool]:
+        return {}
+
+    @cached_property
+    def _last(self) -> list[Any]:
+        return []

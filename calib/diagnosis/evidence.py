@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.baseline import Baseline
+from calib.diagnosis.change import Change
 from calib.diagnosis.code_counts import CodeCounts
 from calib.diagnosis.common_noise import CommonNoise
 from calib.diagnosis.conditions_table import ConditionsTable
@@ -23,7 +24,6 @@ from calib.diagnosis.pooled import (
     places,
     pooled,
 )
-from calib.diagnosis.response import Change
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.rare import rare_trials

@@ -1,6 +1,7 @@
 """The baseline's links with what was fitted to each pixel, in the places of the model's own."""
 
 from dataclasses import dataclass
+from operator import mul
 from typing import ClassVar
 
 import numpy as np
@@ -36,9 +37,11 @@ class Light(FittedLink):
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """Radiance in and out."""
-        if at.capped:
-            return np.zeros_like(signal)
-        return signal + sum(e * r for e, r in zip(at.lamps, self.radiance, strict=False))
+        return np.asarray(signal + self.seen(at))
+
+    def seen(self, at: Conditions) -> float:
+        """Return the radiance of all lamps together."""
+        return 0.0 if at.capped else float(sum(map(mul, at.lamps, self.radiance)))
 
 
 @dataclass(frozen=True)

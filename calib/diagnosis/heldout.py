@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.change import Change
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Model
 from calib.diagnosis.point import Point
 from calib.diagnosis.projection import orthonormal, without
-from calib.diagnosis.response import Change
 
 FOLDS = 4
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from calib.diagnosis.baseline import Baseline
+from calib.diagnosis.change import Change
 from calib.diagnosis.point import Point
-from calib.diagnosis.response import Change
 from calib.diagnosis.signatures import Signature
 from calib.forward.departure import Departure
 

@@ -47,7 +47,7 @@ class Pooled:
 
     def vector(self) -> Floats:
         """Return all of them, in the order of `KINDS`."""
-        return np.concatenate([self.of[kind].ravel() for kind in KINDS])
+        return np.concatenate([self.of[kind] for kind in KINDS], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -97,15 +97,20 @@ def places(sensor: Sensor) -> dict[str, slice]:
 
 
 def grouped(values: Floats, sensor: Sensor) -> Floats:
-    """Return sums over each group of pixels, (n_groups,)."""
-    sums = np.bincount(sensor.group.ravel(), values.ravel(), sensor.n_groups + 1)
-    return np.asarray(sums[: sensor.n_groups])
+    """Return sums over each group of pixels, (..., n_groups), of (..., n_rows, n_columns)."""
+    n, rows = sensor.n_groups + 1, values.reshape(-1, sensor.n_pixels)
+    place = sensor.group.ravel() + n * np.arange(len(rows))[:, None]
+    sums = np.bincount(place.ravel(), rows.ravel(), n * len(rows))
+    return np.asarray(sums.reshape(*values.shape[:-2], n)[..., :-1])
 
 
 def pooled(
     products: ResidualProducts, n: int, variance: Floats, sensor: Sensor, counts: Counts
 ) -> Pooled:
-    """Return a block's statistics; `variance` is what is expected of each pixel, DN^2."""
+    """Return a block's statistics; `variance` is what is expected of each pixel, DN^2.
+
+    Several blocks of `n` lines each stand along a first axis of all arrays.
+    """
     size = np.maximum(counts.tap_size.min(), 2.0)
     some = np.maximum(counts.pixels, 1.0)
     freedom = (n - 1) * (1.0 - 1.0 / size)
@@ -118,14 +123,18 @@ def pooled(
         "variance": grouped(products.squares, sensor) / freedom / some,
         "kurtosis": fourth / level - 2.0 * ratio + 1.0,
         "rows": grouped(products.rows, sensor) / (n - 1) / np.maximum(counts.rows, 1.0),
-        "partners": products.partners.sum(axis=(1, 2)) / (n - 1) / np.maximum(counts.partners, 1.0),
+        "partners": products.partners.sum(axis=(-2, -1))
+        / (n - 1)
+        / np.maximum(counts.partners, 1.0),
         **_common(products.line_means, n),
     }
     for k in range(COLUMN_LAGS):
-        total = grouped(products.columns[k], sensor) / (n - 1)
+        total = grouped(products.columns[..., k, :, :], sensor) / (n - 1)
         of[f"columns_{k + 1}"] = total / np.maximum(counts.columns[k], 1.0)
     for k in range(LINE_LAGS):
-        of[f"lines_{k + 1}"] = grouped(products.lines[k], sensor) / max(n - 1 - k, 1) / some
+        of[f"lines_{k + 1}"] = (
+            grouped(products.lines[..., k, :, :], sensor) / max(n - 1 - k, 1) / some
+        )
     return Pooled(of)
 
 
@@ -139,25 +148,32 @@ def _common(line_means: Floats, n: int) -> dict[str, Floats]:
 
     The first lines, where a step from the block before shows, are looked at elsewhere.
     """
-    line_means, n = line_means[n - settled(n) :], settled(n)
-    centred = line_means - line_means.mean(axis=0)
-    n_rows, n_taps = centred.shape[1:]
-    tap_pairs = [(a, b) for a in range(n_taps) for b in range(a + 1, n_taps)]
-    mean = centred.mean(axis=2)
-    along = mean if n_rows > 1 else mean.T
+    first, n = n - settled(n), settled(n)
+    line_means = line_means[..., first:, :, :]
+    centred = line_means - line_means.mean(axis=-3, keepdims=True)
+    n_rows, n_taps = centred.shape[-2:]
+    scale = (n - 1) * n_rows
+    # Rows of a frame, lines of a line sensor follow each other.
+    along, pairs = np.moveaxis(centred.mean(axis=-1), -2, -1), [n - 1, n_rows]
+    if n_rows > 1:
+        along = np.swapaxes(along, -2, -1)
+    else:
+        pairs = [1, n]
     lagged = [
-        float((along[:, k:] * along[:, :-k]).sum()) / max((n - 1) * (n_rows - k), 1)
-        if n_rows > 1
-        else float((along[:, k:] * along[:, :-k]).sum()) / max(n - k, 1)
+        (along[..., k:] * along[..., :-k]).sum(axis=(-2, -1)) / max(pairs[0] * (pairs[1] - k), 1)
         for k in (1, 2)
     ]
-    scale = (n - 1) * n_rows
-    cross = [float((centred[:, :, a] * centred[:, :, b]).sum()) / scale for a, b in tap_pairs]
+    cross = [
+        (centred[..., a] * centred[..., b]).sum(axis=(-2, -1)) / scale
+        for a in range(n_taps)
+        for b in range(a + 1, n_taps)
+    ]
+    none = np.zeros_like(lagged[0])
     return {
-        "common": (centred**2).sum(axis=(0, 1)) / scale,
-        "common_taps": np.array([np.mean(cross)]) if cross else np.zeros(1),
-        "common_1": np.array([lagged[0]]),
-        "common_2": np.array([lagged[1]]),
+        "common": (centred**2).sum(axis=(-3, -2)) / scale,
+        "common_taps": np.asarray(np.mean(cross, axis=0) if cross else none)[..., None],
+        "common_1": np.asarray(lagged[0])[..., None],
+        "common_2": np.asarray(lagged[1])[..., None],
     }
 
 

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.baseline import Baseline, fit_lines
+from calib.diagnosis.change import Change
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.pooled import grouped
-from calib.diagnosis.response import Change
 
 Floats = NDArray[np.float64]
 

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.change import Change
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Member, Model
 from calib.diagnosis.point import Point
 from calib.diagnosis.projection import orthonormal, without
 from calib.diagnosis.rebase import rebased
-from calib.diagnosis.response import Change, Responder
+from calib.diagnosis.response import Responder
 from calib.diagnosis.signatures import change_of
 
 Floats = NDArray[np.float64]

@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.change import Change
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.point import Point
-from calib.diagnosis.response import Change, Responder
+from calib.diagnosis.response import Responder
 from calib.diagnosis.shapes import Shape
 from calib.diagnosis.with_values import with_values
 from calib.forward.departure import Departure
@@ -67,7 +68,7 @@ def signature(shape: Shape, evidence: Evidence, responder: Responder) -> Signatu
         found = kept
     if found is None or found.length < FEWEST_SIGMA:
         return None
-    if needs_two_draws(found.shape.at(found.strength)):
+    if needs_two_draws(found.shape.at(found.strength), responder):
         found = _taken(shape, found.strength, evidence, responder)
     if found.length < FEWEST_SIGMA:
         return None
@@ -112,10 +113,10 @@ def _taken(
     return Signature(shape, strength, change, point, length, 1.0)
 
 
-def needs_two_draws(effect: Departure) -> bool:
+def needs_two_draws(effect: Departure, responder: Responder) -> bool:
     """Return whether chance has a part in what one draw shows of an effect."""
     coded = effect.stage >= Stage.CODES
-    return coded or effect.stochastic or _other_pattern(effect) != effect
+    return coded or responder.chain.has_events(effect) or _other_pattern(effect) != effect
 
 
 def change_of(
@@ -129,11 +130,10 @@ def change_of(
 
     Not so where `once`, which tells the size of a change and no more.
     """
-    spectral = any(effect.shows_in == "spectrum" for effect in effects)
     coded = any(effect.stage >= Stage.CODES for effect in effects)
     first = _with_misfit(responder.change(effects), evidence)
     others = effects if coded else tuple(_other_pattern(effect) for effect in effects)
-    if not once and any(needs_two_draws(effect) for effect in effects):
+    if not once and any(needs_two_draws(effect, responder) for effect in effects):
         first = _reproduced(first, responder.change(others, draw=1), evidence)
         if others == effects and not coded:
             # Events of single lines are no property of a pixel, however few lines are drawn.
@@ -141,7 +141,7 @@ def change_of(
             first = replace(
                 first, pixel_misfit=nothing, pixel_growth=nothing, pixel_variance=nothing
             )
-    return _without_tones(first) if spectral else first
+    return first
 
 
 def _with_misfit(change: Change, evidence: Evidence) -> Change:
@@ -154,16 +154,6 @@ def _other_pattern(effect: Departure) -> Departure:
     """Return the effect on another sensor of its kind: the places of its pixels are unknown."""
     seeds = {n: getattr(effect, n) + 1 for n in parameters_of(type(effect)) if n.endswith("seed")}
     return with_values(effect, seeds) if seeds else effect
-
-
-def _without_tones(change: Change) -> Change:
-    """Return the change without means: a tone leaves nothing in those of a whole block."""
-    return Change(
-        np.zeros_like(change.means), np.zeros_like(change.onset), change.pooled, change.rare,
-        change.pixel_variance, change.codes, change.tones,
-        change.pixel_misfit,
-        change.pixel_growth,
-    )  # fmt: skip
 
 
 def _reproduced(one: Change, other: Change, evidence: Evidence) -> Change:

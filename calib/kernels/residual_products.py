@@ -5,7 +5,7 @@ same tap have in common. Samples farther than a pixel's cut from where their lin
 stands count as outliers and are left out.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numba import njit
@@ -65,23 +65,40 @@ def residual_products(  # noqa: PLR0917 - sums take what they take
         n_taps: How many there are.
         partner: The column with which each is paired, (n_partners, n_columns), -1 for none.
     """
-    n, n_rows, n_columns = samples.shape
-    shape = (n_rows, n_columns)
+    stack = stacked_products(samples[None], reference[None], cut[None], tap, n_taps, partner)
+    return ResidualProducts(*(getattr(stack, each.name)[0] for each in fields(stack)))
+
+
+def stacked_products(  # noqa: PLR0917 - likewise
+    samples: NDArray[np.generic],
+    reference: Floats,
+    cut: Floats,
+    tap: NDArray[np.intp],
+    n_taps: int,
+    partner: NDArray[np.intp],
+) -> ResidualProducts:
+    """Return the sums of several blocks, (n_blocks, n_lines, n_rows, n_columns) of `samples`.
+
+    Everything that belongs to a block, also of what is returned, has a first axis of blocks.
+    """
+    n_blocks, n, *shape = samples.shape
     sums = ResidualProducts(
-        np.zeros(shape),
-        np.zeros(shape),
-        np.zeros(shape),
-        np.zeros((COLUMN_LAGS, *shape)),
-        np.zeros(shape),
-        np.zeros((LINE_LAGS, *shape)),
-        np.zeros((len(partner), *shape)),
-        np.zeros((n, n_rows, n_taps)),
-        np.zeros(shape, np.int64),
+        np.zeros((n_blocks, *shape)),
+        np.zeros((n_blocks, *shape)),
+        np.zeros((n_blocks, *shape)),
+        np.zeros((n_blocks, COLUMN_LAGS, *shape)),
+        np.zeros((n_blocks, *shape)),
+        np.zeros((n_blocks, LINE_LAGS, *shape)),
+        np.zeros((n_blocks, len(partner), *shape)),
+        np.zeros((n_blocks, n, shape[0], n_taps)),
+        np.zeros((n_blocks, *shape), np.int64),
     )
-    _add(
-        samples, reference, cut, tap, partner, sums.total, sums.squares, sums.fourths,
-        sums.columns, sums.rows, sums.lines, sums.partners, sums.line_means, sums.outliers,
-    )  # fmt: skip
+    for b in range(n_blocks):
+        _add(
+            samples[b], reference[b], cut[b], tap, partner, sums.total[b], sums.squares[b],
+            sums.fourths[b], sums.columns[b], sums.rows[b], sums.lines[b], sums.partners[b],
+            sums.line_means[b], sums.outliers[b],
+        )  # fmt: skip
     return sums
 
 
@@ -120,7 +137,7 @@ def _add(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0917 - compiled
                         partners[p, r, c] += now[c] * now[partner[p, c]]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _deviations(line, reference, cut, now, total, outliers):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
     # A whole line may be off, after a step of the light: outliers are told from where it stands.
     n = line.shape[0]
@@ -134,19 +151,25 @@ def _deviations(line, reference, cut, now, total, outliers):  # type: ignore[no-
         for c in range(n):
             clipped += min(max(now[c] - level, -cut[c]), cut[c])
         level += clipped / n
-    for c in range(line.shape[0]):
-        if abs(now[c] - level) > cut[c]:
-            outliers[c] += 1
-            now[c] = level
+    found = 0
+    for c in range(n):
+        found += abs(now[c] - level) > cut[c]
+    if found > 0:
+        for c in range(n):
+            if abs(now[c] - level) > cut[c]:
+                outliers[c] += 1
+                now[c] = level
+    for c in range(n):
         total[c] += now[c]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _take_common(now, tap, size, means):  # type: ignore[no-untyped-def]  # compiled
-    for c in range(now.shape[0]):
-        means[tap[c]] += now[c]
     for k in range(means.shape[0]):
-        means[k] /= max(size[k], 1.0)
+        level = 0.0
+        for c in range(now.shape[0]):
+            level += now[c] if tap[c] == k else 0.0
+        means[k] = level / max(size[k], 1.0)
     for c in range(now.shape[0]):
         now[c] -= means[tap[c]]
 

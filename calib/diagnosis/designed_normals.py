@@ -1,0 +1,99 @@
+"""Normal numbers whose second moments are exact in a few lines: quadrature in place of chance.
+
+Lines that stand for many need not be drawn: what counts is that noise has its mean, variance and
+covariances. Each pixel's numbers have mean 0 and a sample variance of 1; neighbours, and the two
+sources of noise, are orthogonal to each other line by line (Gram-Schmidt). Of several candidates
+for a pixel, that one is taken that keeps a running sum of what cannot be made exact nearest to its
+expectation: products with lines before, and the fourth moment, 3 for normal numbers (Owen, Monte
+Carlo theory, methods and examples (2013), chapter 10, on matching moments).
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.random import Generator, default_rng
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+SETS = 32
+"""Independent arrays; blocks and stretches of columns take turns."""
+WIDTH = 128
+"""Columns of one array."""
+SOURCES = 2
+"""Of noise that are orthogonal to each other: charge, and what reads it."""
+NEIGHBOURS = 4
+"""Columns to which each one is orthogonal, where there are lines enough."""
+CANDIDATES = 6
+FORGET = 0.97
+"""Running sums forget by this factor a column: pooled statistics are local."""
+
+
+def designed_normals(n_lines: int, sample: tuple[int, ...], which: int, source: int) -> Floats:
+    """Return numbers for `n_lines` lines of one block, (n_lines, *sample).
+
+    Args:
+        n_lines: Lines, 2 or more.
+        sample: Shape of a line, or of a frame.
+        which: Number of the block; neighbouring ones get different numbers.
+        source: 0 or 1 of those that are orthogonal to each other; others are independent.
+    """
+    sets = _sets(n_lines)
+    n_pixels = int(np.prod(sample))
+    tiles = -(-n_pixels // WIDTH)
+    # What two sources share is a set, whose arrays are orthogonal.
+    first = 7 * which + 11 * (source // SOURCES)
+    of_tile = (first + 5 * np.arange(tiles)) % SETS
+    tiled = sets[of_tile, source % SOURCES]
+    flat = np.moveaxis(tiled, 0, 1).reshape(n_lines, tiles * WIDTH)[:, :n_pixels]
+    return np.ascontiguousarray(flat).reshape(n_lines, *sample)
+
+
+@lru_cache(maxsize=4)
+def _sets(n_lines: int) -> Floats:
+    """Return all arrays, (SETS, SOURCES, n_lines, WIDTH)."""
+    rng = default_rng(n_lines)
+    reach = min(NEIGHBOURS, max((n_lines - 5) // SOURCES, 0))
+    found = np.zeros((SETS, SOURCES, n_lines, WIDTH))
+    sums = np.zeros((SETS, SOURCES, _features(found[:1, 0, :, :1], found[:1, 0, :, :0]).shape[-1]))
+    for column in range(WIDTH):
+        near = found[..., max(column - reach, 0) : column]
+        for source in range(SOURCES):
+            others = [*np.moveaxis(near, -1, 0).swapaxes(1, 2).reshape(-1, SETS, n_lines)]
+            others += [found[:, k, :, column] for k in range(source if n_lines > SOURCES else 0)]
+            tried = _orthogonal(rng, others, n_lines)
+            before = found[:, source, :, max(column - 2, 0) : column]
+            features = _features(tried, before)
+            moved = FORGET * sums[:, source, None] + features
+            best = np.argmin((moved**2).sum(axis=-1), axis=1)
+            every = np.arange(SETS)
+            found[:, source, :, column] = tried[every, :, best]
+            sums[:, source] = moved[every, best]
+    found.flags.writeable = False
+    return found
+
+
+def _orthogonal(rng: Generator, others: list[Floats], n_lines: int) -> Floats:
+    """Return candidates, (SETS, n_lines, CANDIDATES), orthogonal to `others`, (SETS, n_lines)."""
+    tried = rng.standard_normal((SETS, n_lines, CANDIDATES))
+    for _ in range(2):
+        tried -= tried.mean(axis=1, keepdims=True)
+        for other in others:
+            along = np.einsum("sl,slk->sk", other, tried) / (n_lines - 1)
+            tried -= other[:, :, None] * along[:, None, :]
+    return np.asarray(tried * np.sqrt((n_lines - 1) / (tried**2).sum(axis=1, keepdims=True)))
+
+
+def _features(tried: Floats, before: Floats) -> Floats:
+    """Return by how much candidates, (s, n, k), miss what is asked on average, (s, k, features)."""
+    n = tried.shape[1]
+    found = [(tried**4).mean(axis=1) / 3.0 - ((n - 1) / n) ** 2]
+    for lag in (1, 2):
+        if lag < n:
+            own = (tried[:, lag:] * tried[:, :-lag]).sum(axis=1) / (n - lag)
+            found.append(own + (n - 1) / n / (n - 1))
+    for k in range(2):
+        other = before[..., -1 - k] if k < before.shape[-1] else np.zeros(before.shape[:-1])
+        found.append(np.einsum("sl,slk->sk", other[:, 1:], tried[:, :-1]) / n)
+        found.append(np.einsum("sl,slk->sk", other[:, :-1], tried[:, 1:]) / n)
+    return np.stack(found, axis=-1)
