@@ -137,22 +137,33 @@ class FittedChain:
         links = [x for x in self._chain(effects) if x.name not in _NOISE and x.name != "adc"]
         return self.run(stack, links, draw, noise=0.0).reshape(stack.n_lines, -1)
 
-    def drawn(self, stack: Stack, effects: Sequence[Effect], draw: int, *, coded: bool) -> Floats:
-        """Return drawn lines, (n_lines, n_rows, n_columns), whole codes where `coded`."""
+    def drawn(
+        self, stack: Stack, effects: Sequence[Effect], draw: int, *, coded: bool, sign: float = 1.0
+    ) -> Floats:
+        """Return drawn lines, (n_lines, n_rows, n_columns), whole codes where `coded`.
+
+        With `sign` -1, the effects' own noise is the opposite one; that of the baseline is not.
+        """
         links = [x for x in self._chain(effects) if coded or x.name != "adc"]
-        drawn = self.run(stack, links, draw, noise=1.0)
+        drawn = self.run(stack, links, draw, noise=sign)
         return drawn.reshape(stack.n_lines, self.sensor.n_rows, self.sensor.n_columns)
 
     def has_events(self, effect: Effect) -> bool:
         """Return whether chance has a part in an effect: noise that moments do not tell."""
-        if not effect.stochastic:
-            return False
-        if effect.name not in self._events:
+        return effect.stochastic and self._asked_by(effect)[0]
+
+    def moves_lines(self, effect: Effect) -> bool:
+        """Return whether an effect has noise that all pixels of a line share."""
+        return effect.stochastic and self._asked_by(effect)[1]
+
+    def _asked_by(self, effect: Effect) -> tuple[bool, bool]:
+        """Return whether an effect asks for events, and for one number a line."""
+        if effect.name not in self._asked:
             at, shape = self.table.at(0, np.arange(2.0)), (2, *self.sensor.sample)
             rng = DesignedNoise([self.seed], shape, 0, 0, noise=1.0)
             effect.apply(np.full(shape, 100.0), at, rng)
-            self._events[effect.name] = rng.events
-        return self._events[effect.name]
+            self._asked[effect.name] = rng.events, rng.shared
+        return self._asked[effect.name]
 
     def _chain(self, effects: Sequence[Effect]) -> tuple[Effect, ...]:
         return tuple(sorted((*self.links, *effects), key=place_of))
@@ -179,7 +190,7 @@ class FittedChain:
         """Return whether light has been exposed and the signal after links of the baseline."""
         if not links:
             return False, np.zeros((stack.n_lines, *self.sensor.sample))
-        key = (stack.key, tuple(x.name for x in links), draw, noise)
+        key = (stack.key, tuple(x.name for x in links), draw)
         if key in self._kept:
             return self._kept[key]
         exposed, signal = self._before(stack, links[:-1], draw, noise)
@@ -242,7 +253,7 @@ class FittedChain:
         return DesignedNoise([self.seed, name, b, draw], shape, b + 13 * draw, source, noise=noise)
 
     @cached_property
-    def _kept(self) -> dict[tuple[str, tuple[str, ...], int, float], tuple[bool, Floats]]:
+    def _kept(self) -> dict[tuple[str, tuple[str, ...], int], tuple[bool, Floats]]:
         return {}
 
     @cached_property
@@ -254,7 +265,7 @@ class FittedChain:
         return {}
 
     @cached_property
-    def _events(self) -> dict[str, bool]:
+    def _asked(self) -> dict[str, tuple[bool, bool]]:
         return {}
 
     @cached_property

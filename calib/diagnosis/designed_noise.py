@@ -11,7 +11,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
-from calib.diagnosis.designed_normals import designed_normals
+from calib.diagnosis.designed_normals import designed_normals, designed_sequence
 from calib.forward.moments import Moments
 
 Floats = NDArray[np.float64]
@@ -22,17 +22,22 @@ class DesignedNoise(Moments):
 
     Attributes:
         events: Whether anything was left to chance.
+        shared: Whether all of a line got one number: its products with what the line's pixels
+            have in common by chance are no small matter, and change sign with `noise`.
     """
 
     def __init__(
         self, seed: list[int], shape: tuple[int, ...], which: int, source: int, *, noise: float
     ) -> None:
-        """Answer for lines of `shape`, (n_lines, *sample); see `designed_normals` for the rest."""
+        """Answer for lines of `shape`, (n_lines, *sample); see `designed_normals` for the rest.
+
+        `noise` is 1, or -1 for the opposite numbers, or 0 for expectations.
+        """
         super().__init__(seed, noise=noise)
         self._shape, self._which, self._source, self._size = shape, which, source, noise
         self._asked = 0
         self._lines: Floats | None = None
-        self.events = False
+        self.events = self.shared = False
 
     def poisson(self, lam: ArrayLike = 1.0, size: Any = None) -> Any:
         """Return smooth numbers for pixels; single ones, of events, are drawn."""
@@ -55,6 +60,7 @@ class DesignedNoise(Moments):
         known = {self._shape, self._shape[1:], self._shape[:1], self._row}
         if self.events or shape not in known:
             return Generator.standard_normal(self, size)
+        self.shared |= shape in {self._shape[:1], self._row}
         if not self._size:
             return np.zeros(shape)
         if n < 2:
@@ -62,7 +68,9 @@ class DesignedNoise(Moments):
         if shape == self._shape[1:]:
             return self._size * self._next_line()
         self._asked += 1
-        return self._size * self._designed(shape[1:] or (1,)).reshape(shape)
+        if np.prod(shape) == n:
+            return self._size * designed_sequence(n, self._which + self._asked).reshape(shape)
+        return self._size * self._designed(shape[1:]).reshape(shape)
 
     def random(self, *asked: Any, **how: Any) -> Any:
         """Return uniform numbers, which tell events."""

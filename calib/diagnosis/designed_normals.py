@@ -24,6 +24,8 @@ SOURCES = 2
 """Of noise that are orthogonal to each other: charge, and what reads it."""
 NEIGHBOURS = 4
 """Columns to which each one is orthogonal, where there are lines enough."""
+SEQUENCES, DRAWN_FOR_ONE = 64, 100
+"""Of one number a line; so many are drawn to find each."""
 CANDIDATES = 6
 FORGET = 0.97
 """Running sums forget by this factor a column: pooled statistics are local."""
@@ -47,6 +49,25 @@ def designed_normals(n_lines: int, sample: tuple[int, ...], which: int, source: 
     tiled = sets[of_tile, source % SOURCES]
     flat = np.moveaxis(tiled, 0, 1).reshape(n_lines, tiles * WIDTH)[:, :n_pixels]
     return np.ascontiguousarray(flat).reshape(n_lines, *sample)
+
+
+def designed_sequence(n_lines: int, which: int) -> Floats:
+    """Return one number for each line, (n_lines,), of exact variance and nearly white."""
+    return np.asarray(_sequences(n_lines)[which % SEQUENCES])
+
+
+@lru_cache(maxsize=4)
+def _sequences(n_lines: int) -> Floats:
+    """Return those of many sequences, (SEQUENCES, n_lines), whose lags are nearest to white."""
+    tried = default_rng(n_lines).standard_normal((SEQUENCES * DRAWN_FOR_ONE, n_lines))
+    tried -= tried.mean(axis=1, keepdims=True)
+    tried *= np.sqrt((n_lines - 1) / (tried**2).sum(axis=1, keepdims=True))
+    miss = np.zeros(len(tried))
+    for lag in range(1, min(4, n_lines)):
+        miss += ((tried[:, lag:] * tried[:, :-lag]).mean(axis=1) + 1.0 / n_lines) ** 2
+    found = tried[np.argsort(miss)[:SEQUENCES]]
+    found.flags.writeable = False
+    return np.asarray(found)
 
 
 @lru_cache(maxsize=4)

@@ -44,7 +44,7 @@ class Drawn:
             counts: Its counts.
         """
         vectors = [
-            pooled(each, n, variance[blocks], sensor, counts).vector()
+            pooled(each, n, variance[blocks], sensor, counts, first=0).vector()
             for each, blocks, n in zip(self.products, self.blocks, self.n_lines, strict=True)
         ]
         found = np.empty((len(variance), vectors[0].shape[-1]))

@@ -104,12 +104,24 @@ def grouped(values: Floats, sensor: Sensor) -> Floats:
     return np.asarray(sums.reshape(*values.shape[:-2], n)[..., :-1])
 
 
-def pooled(
-    products: ResidualProducts, n: int, variance: Floats, sensor: Sensor, counts: Counts
+def pooled(  # noqa: PLR0917 - all that they depend on
+    products: ResidualProducts,
+    n: int,
+    variance: Floats,
+    sensor: Sensor,
+    counts: Counts,
+    first: int | None = None,
 ) -> Pooled:
-    """Return a block's statistics; `variance` is what is expected of each pixel, DN^2.
+    """Return a block's statistics; several blocks of `n` lines stand along a first axis of all.
 
-    Several blocks of `n` lines each stand along a first axis of all arrays.
+    Args:
+        products: Of a block's residuals.
+        n: Lines.
+        variance: What is expected of each pixel, DN^2.
+        sensor: The sensor.
+        counts: Its counts.
+        first: Lines in which a step from the block before may show, whose common noise is left
+            out; as many as `settled` tells where None.
     """
     size = np.maximum(counts.tap_size.min(), 2.0)
     some = np.maximum(counts.pixels, 1.0)
@@ -126,7 +138,7 @@ def pooled(
         "partners": products.partners.sum(axis=(-2, -1))
         / (n - 1)
         / np.maximum(counts.partners, 1.0),
-        **_common(products.line_means, n),
+        **_common(products.line_means, n - settled(n) if first is None else first),
     }
     for k in range(COLUMN_LAGS):
         total = grouped(products.columns[..., k, :, :], sensor) / (n - 1)
@@ -143,13 +155,13 @@ def settled(n: int) -> int:
     return n - ONSET_LINES if n >= 4 * ONSET_LINES else n
 
 
-def _common(line_means: Floats, n: int) -> dict[str, Floats]:
+def _common(line_means: Floats, first: int) -> dict[str, Floats]:
     """Return variances and covariances of what a line's pixels have in common.
 
     The first lines, where a step from the block before shows, are looked at elsewhere.
     """
-    first, n = n - settled(n), settled(n)
     line_means = line_means[..., first:, :, :]
+    n = line_means.shape[-3]
     centred = line_means - line_means.mean(axis=-3, keepdims=True)
     n_rows, n_taps = centred.shape[-2:]
     scale = (n - 1) * n_rows

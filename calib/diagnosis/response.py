@@ -67,24 +67,27 @@ class Responder:
         lefts = self.chain.left_before(effects)
         coded = any(e.stage >= Stage.CODES for e in effects)
         means, onset = mean_change(self.chain, effects, lefts, draw)
-        drawn = self._drawn(effects, lefts, draw, coded=coded)
+        # What a line's pixels share has chance products with their own noise, of either sign.
+        signs = (1.0, -1.0) if any(map(self.chain.moves_lines, effects)) else (1.0,)
+        drawn = [self._drawn(effects, lefts, draw, coded=coded, sign=sign) for sign in signs]
         plain = (self.plain or self).plain_drawn(draw, coded=coded)
         table = self.chain.table
         weight = table.n_lines - 1
-        ratio = np.average(drawn.ratio - plain.ratio, 0, weight)
+        ratio = np.average(_mean([d.ratio for d in drawn]) - plain.ratio, 0, weight)
         z = ratio * np.sqrt(weight.sum() / 2.0)
         counts, sensor = self._cleaned(few(np.flatnonzero(z > NOISY_SIGMA), len(z)))
         variance = self.chain.baseline.variance_dn2
-        moved = drawn.pooled(variance, sensor, counts) - plain.pooled(variance, sensor, counts)
+        moved = _mean([each.pooled(variance, sensor, counts) for each in drawn])
+        moved = moved - plain.pooled(variance, sensor, counts)
         trials = rare_trials(self.n_lines, self.chain.sensor.n_pixels)
         fine = fine_blocks(self.chain.baseline)
         return Change(
             means,
             onset,
             as_of_long_blocks(moved, self.n_lines, table.n_lines, sensor),
-            _by_conditions(drawn.rare - plain.rare, trials, table),
+            _by_conditions(_mean([d.rare for d in drawn]) - plain.rare, trials, table),
             ratio,
-            _codes(drawn.codes - plain.codes, (weight + 1) * fine, coded=coded),
+            _codes(_mean([d.codes for d in drawn]) - plain.codes, (weight + 1) * fine, coded=coded),
             tone_change(self.chain, effects, self.peaks),
             np.zeros(len(ratio)),
             np.zeros(len(ratio)),
@@ -97,7 +100,13 @@ class Responder:
         return Counts.of(sensor), sensor
 
     def _drawn(
-        self, effects: Sequence[Effect], lefts: Sequence[Left | None], draw: int, *, coded: bool
+        self,
+        effects: Sequence[Effect],
+        lefts: Sequence[Left | None],
+        draw: int,
+        *,
+        coded: bool,
+        sign: float = 1.0,
     ) -> Drawn:
         """Return lines from the middle of each block, where a step before it has died away."""
         chain, n = self.chain, self.n_lines
@@ -106,7 +115,7 @@ class Responder:
         if any(left is not None for left in lefts):
             found = enumerate(zip(first, lefts, strict=True))
             stack = stack.before([chain.left_after(b, k, effects, x) for b, (k, x) in found])
-        lines = chain.drawn(stack, effects, draw, coded=coded)
+        lines = chain.drawn(stack, effects, draw, coded=coded, sign=sign)
         return drawn_of(lines.reshape(-1, n, *lines.shape[1:]), chain, coded=coded)
 
     @cached_property
@@ -125,6 +134,10 @@ class Responder:
     @cached_property
     def _plain(self) -> dict[tuple[int, bool], Drawn]:
         return {}
+
+
+def _mean(values: Sequence[Floats]) -> Floats:
+    return values[0] if len(values) == 1 else np.mean(values, axis=0)
 
 
 def _codes(change: Floats, weight: Floats, *, coded: bool) -> Floats:

@@ -34,7 +34,7 @@ def as_of_long_blocks(pooled: Floats, n: int, recorded: Floats, sensor: Sensor) 
     taps = sensor.n_taps
     shared = pooled[:, where["common"]].mean(axis=1) / taps
     shared = shared + pooled[:, where["common_taps"]][:, 0] * (taps - 1) / taps
-    bias = 1.0 / settled(n) - 1.0 / np.array([settled(int(m)) for m in recorded])
+    bias = 1.0 / n - 1.0 / np.array([settled(int(m)) for m in recorded])
     for kind in ("common_1", "common_2"):
         found[:, where[kind]] += (bias * shared)[:, None]
     return found
