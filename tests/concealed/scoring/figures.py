@@ -193,5 +193,5 @@ def held_out(every: Sequence[Outcome]) -> Figure:
         axes.axvline(median, color=ORANGE, label=f"median {median:.2f}")
         axes.legend(loc="upper left")
     axes.set(title="Held-out gain of the rightly named",
-             xlabel="share of what a saturated model would gain", ylabel="findings")  # fmt: skip
+             xlabel="share of what the true model would gain", ylabel="findings")  # fmt: skip
     return figure
