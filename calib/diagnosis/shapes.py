@@ -123,7 +123,8 @@ def shapes_of(kind: type[Departure], scales: Scales) -> tuple[Shape, ...]:
         if name not in strengths
     }
     shapes = []
-    for template in _star(default, {n: g for n, g in grids.items() if len(g) > 1}):
+    off_default = {n: g for n, g in grids.items() if g != (getattr(default, n),)}
+    for template in _star(default, off_default):
         shapes += _with_strength(template, strengths, told)
     return tuple(shapes)
 
