@@ -26,13 +26,13 @@ def amended_model(
     found: Found, evidence: Evidence, source: SourceHeader, given: Model | None = None
 ) -> Model:
     """Return the fitted baseline, or `given`, with the effects that were found."""
-    model = given if given is not None else _fitted(_beside(found, evidence), evidence, source)
+    model = given if given is not None else _fitted(beside(found, evidence), evidence, source)
     for member in found.members:
         model = model.with_effect(member.effect)
     return model
 
 
-def _beside(found: Found, evidence: Evidence) -> Baseline:
+def beside(found: Found, evidence: Evidence) -> Baseline:
     """Return the baseline beside what was found, its last step done."""
     if found.change is None:
         return found.baseline

@@ -7,15 +7,14 @@ import numpy as np
 
 from calib.diagnosis.chain_run import FittedChain
 from calib.diagnosis.conditions_table import conditions_table
+from calib.diagnosis.estimate import Estimate
 from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.figures import Figures
 from calib.diagnosis.findings import (
     Diagnosis,
-    Estimate,
-    Figures,
     Finding,
     Fit,
     NamedCandidate,
-    ParameterOff,
     Unexplained,
 )
 from calib.diagnosis.fitted_evidence import evidence_of
@@ -24,6 +23,7 @@ from calib.diagnosis.heldout import HeldOut, HeldOutDeviances
 from calib.diagnosis.judgement import Candidate, candidates_of, contribution
 from calib.diagnosis.locate import locate, where
 from calib.diagnosis.model import Member, Model
+from calib.diagnosis.parameter_off import ParameterOff
 from calib.diagnosis.remainder import CERTAIN_SIGMA, looks_at, worst
 from calib.diagnosis.requirements import check_can_be_diagnosed
 from calib.diagnosis.response import Responder
@@ -32,6 +32,7 @@ from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.shapes import Scales, departures, shapes_of
 from calib.diagnosis.signatures import Signature, signature
 from calib.diagnosis.statistics.gather import gather
+from calib.diagnosis.words.in_words import in_words
 from calib.forward.model import Model as ForwardModel
 from calib.forward.parameter import parameters_of
 from calib.recording.protocol import Recording
@@ -118,7 +119,7 @@ def examine(
         off,
         _figures(model, evidence),
     )
-    return Examination(evidence, signatures, model, diagnosis)
+    return Examination(evidence, signatures, model, in_words(diagnosis, model, evidence))
 
 
 def responder_of(evidence: Evidence) -> Responder:

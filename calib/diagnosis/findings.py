@@ -1,11 +1,16 @@
 """What a diagnosis says: frozen, with units, ready for JSON, a report and an amended model."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.absorbed import Absorbed
+from calib.diagnosis.estimate import Estimate
+from calib.diagnosis.figures import Figures
+from calib.diagnosis.parameter_off import ParameterOff
+from calib.diagnosis.radiance_error import RadianceError
 from calib.forward.departure import Departure
 
 Floats = NDArray[np.float64]
@@ -41,19 +46,6 @@ class Where:
 
 
 @dataclass(frozen=True)
-class Estimate:
-    """A parameter: value, standard uncertainty, unit."""
-
-    value: float
-    std: float
-    unit: str
-
-    def answer(self) -> dict[str, Any]:
-        """Return it as JSON knows it."""
-        return {"value": self.value, "std": self.std, "unit": self.unit}
-
-
-@dataclass(frozen=True)
 class NamedCandidate:
     """A name that a finding may have."""
 
@@ -82,6 +74,9 @@ class Finding:
         parameters: As fitted.
         heldout_before, heldout_after: Deviance of blocks left out, without it and with it.
         fraction_explained: Of what the model without it misses there.
+        sentence: What an operator is told of it.
+        hid_as: What the plain fit mistook it for; empty where that is not known.
+        absorbed: The same in numbers.
     """
 
     effect: Departure
@@ -92,6 +87,9 @@ class Finding:
     heldout_before: float
     heldout_after: float
     fraction_explained: float
+    sentence: str = ""
+    hid_as: str = ""
+    absorbed: tuple[Absorbed, ...] = ()
 
     def answer(self) -> dict[str, Any]:
         """Return it as JSON knows it."""
@@ -106,6 +104,8 @@ class Finding:
             "heldout_deviance_before": self.heldout_before,
             "heldout_deviance_after": self.heldout_after,
             "fraction_explained": self.fraction_explained,
+            "sentence": self.sentence,
+            "hid_as": {"text": self.hid_as, "coefficients": [a.answer() for a in self.absorbed]},
         }
 
 
@@ -138,53 +138,24 @@ class Fit:
         }
 
 
-@dataclass(frozen=True)
-class Figures:
-    """What a report draws.
-
-    Attributes:
-        residual_means: Of the plain model, whitened, (n_blocks, n_pixels).
-        final_means: Of the final model, likewise.
-        block_names: Of the blocks.
-        looks: Each way of looking at the remainder, with its distance from chance.
-        gains: What each effect alone would explain, by name.
-    """
-
-    residual_means: Floats
-    final_means: Floats
-    block_names: tuple[str, ...]
-    looks: tuple[tuple[str, float], ...]
-    gains: dict[str, float] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class ParameterOff:
-    """A parameter of a given model that the recording contradicts."""
-
-    name: str
-    model: float
-    fitted: float
-    std: float
-    unit: str
-
-    def answer(self) -> dict[str, Any]:
-        """Return it as JSON knows it."""
-        return {
-            "name": self.name,
-            "model": self.model,
-            "fitted": self.fitted,
-            "std": self.std,
-            "unit": self.unit,
-        }
-
-
 AMBIGUOUS = 0.05
 """A second name that is so probable makes a finding ambiguous."""
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The answer."""
+    """The answer.
+
+    Attributes:
+        baseline, final: The plain model, and that with all that was found.
+        findings: The strongest first.
+        unexplained: What remains without a name.
+        not_testable: What the plan could not have shown, with the reason, by the effect's name.
+        model_parameters: Numbers of a given model that are off.
+        figures: What a report draws.
+        summary: The verdict in a sentence.
+        radiance: What the plain calibration gets wrong of it.
+    """
 
     baseline: Fit
     findings: tuple[Finding, ...]
@@ -193,6 +164,8 @@ class Diagnosis:
     not_testable: dict[str, str]
     model_parameters: tuple[ParameterOff, ...]
     figures: Figures
+    summary: str = ""
+    radiance: RadianceError | None = None
 
     @property
     def verdict(self) -> str:
@@ -208,11 +181,13 @@ class Diagnosis:
         """Return it as JSON knows it."""
         return {
             "verdict": self.verdict,
+            "summary": self.summary,
             "baseline": self.baseline.answer(),
             "findings": [f.answer() for f in self.findings],
             "final": self.final.answer(),
             "unexplained": None if self.unexplained is None else self.unexplained.answer(),
             "not_testable": [{"effect": n, "why": w} for n, w in self.not_testable.items()],
             "model_parameters": [p.answer() for p in self.model_parameters],
+            "radiance_error": None if self.radiance is None else self.radiance.answer(),
             "next_measurement": None,
         }

@@ -4,7 +4,7 @@ import numpy as np
 
 from calib.arrays import Columns
 from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.findings import ParameterOff
+from calib.diagnosis.parameter_off import ParameterOff
 from calib.forward.model import Model
 
 DIFFERS_SIGMA = 4.0

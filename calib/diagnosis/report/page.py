@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.diagnosis.findings import Diagnosis, Figures, Finding
+from calib.diagnosis.figures import Figures
+from calib.diagnosis.findings import Diagnosis, Finding
 from calib.report.style import as_svg, house_style, new_figure
 
 _VERDICTS = {

@@ -1,0 +1,59 @@
+"""All groups of panels of a report, those that show the most first."""
+
+from calib.diagnosis.report.codes import codes_group, rare_group
+from calib.diagnosis.report.compared import Compared
+from calib.diagnosis.report.lines import first_lines_group, rhythm_group
+from calib.diagnosis.report.means import means_groups
+from calib.diagnosis.report.neighbours import lines_group, neighbours_group
+from calib.diagnosis.report.noise import noise_group
+from calib.diagnosis.report.panel import Group
+from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS
+
+SHOWN_SHARE = 0.1
+"""A group that shows this share of what the first one does is not folded away."""
+MOST_SHOWN = 3
+STATISTICS = {
+    "mean": "means",
+    "variance": "noise",
+    "column_covariance": "columns",
+    "line_covariance": "lines",
+    "spectrum": "rhythm",
+    "histogram": "codes",
+    "tail": "rare",
+    "transient": "onset",
+}
+"""The group in which each statistic of an answer is drawn."""
+
+
+def groups_of(seen: Compared) -> tuple[tuple[Group, ...], tuple[Group, ...]]:
+    """Return the groups that matter, and the others, each in order of what it shows."""
+    energy = seen.energies()
+    diagnosis = seen.examined.diagnosis
+
+    def weight(*kinds: str) -> float:
+        """Return what these statistics show: explained, or still there."""
+        return sum(max(before - after, after, 0.0) for before, after in (energy[k] for k in kinds))
+
+    follows = tuple(v for f in diagnosis.findings for v in f.where.depends_on)
+    if diagnosis.unexplained is not None:
+        follows = (*diagnosis.unexplained.where.depends_on, *follows)
+    groups = [
+        *means_groups(seen, follows, weight("mean", "pixels")),
+        noise_group(seen, weight("variance", "kurtosis")),
+        neighbours_group(
+            seen, weight(*(f"columns_{k + 1}" for k in range(COLUMN_LAGS)), "rows", "partners")
+        ),
+        lines_group(seen, weight(*(f"lines_{k + 1}" for k in range(LINE_LAGS)))),
+        rhythm_group(seen, weight("common", "common_taps", "common_1", "common_2", "tones")),
+        codes_group(seen, weight("codes")),
+        first_lines_group(seen, weight("onset")),
+        rare_group(seen, weight("rare")),
+    ]
+    ranked = sorted(groups, key=lambda g: -g.weight)
+    named = {STATISTICS[f.where.statistic] for f in diagnosis.findings}
+    least = SHOWN_SHARE * ranked[0].weight
+    shown = [g for k, g in enumerate(ranked) if k == 0 or g.name in named or g.weight > least]
+    shown = shown[: max(MOST_SHOWN, len(named))]
+    if not diagnosis.findings and diagnosis.unexplained is None:
+        shown = [groups[0], groups[2]]
+    return tuple(shown), tuple(g for g in ranked if g not in shown and g.panels)

@@ -1,0 +1,1 @@
+"""The diagnosis in words that an operator understands, every number of them from the recording."""

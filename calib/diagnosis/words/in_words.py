@@ -1,0 +1,38 @@
+"""Puts words to a diagnosis: of each finding, and of all together."""
+
+from dataclasses import replace
+
+from calib.diagnosis.amended import beside
+from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.findings import Diagnosis, Finding
+from calib.diagnosis.hidden import absorbed_of, hid_as
+from calib.diagnosis.model import Model
+from calib.diagnosis.radiance_check import radiance_error
+from calib.diagnosis.words.scales import RecordingScales
+from calib.diagnosis.words.sentences import sentence_of
+from calib.diagnosis.words.telling import Telling
+from calib.diagnosis.words.verdict import first_sentence
+
+
+def in_words(diagnosis: Diagnosis, model: Model, evidence: Evidence) -> Diagnosis:
+    """Return the diagnosis with its sentences, and with what it does to radiance."""
+    gain = beside(model, evidence).gain_dn_per_e
+    scales = RecordingScales.of(evidence, float(gain.mean()))
+    place = {m.signature.shape.name: k for k, m in enumerate(model.members)}
+    found = tuple(
+        _told(each, place[each.effect.name], model, evidence, scales) for each in diagnosis.findings
+    )
+    told = replace(diagnosis, findings=found, radiance=radiance_error(model, evidence))
+    return replace(told, summary=first_sentence(told))
+
+
+def _told(
+    finding: Finding, k: int, model: Model, evidence: Evidence, scales: RecordingScales
+) -> Finding:
+    absorbed = absorbed_of(k, model, evidence)
+    return replace(
+        finding,
+        sentence=sentence_of(Telling(finding.effect, finding.parameters, scales)),
+        hid_as=hid_as(absorbed),
+        absorbed=absorbed or (),
+    )
