@@ -15,6 +15,7 @@ import numpy as np
 from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
 
+from calib.arrays import Columns
 from calib.diagnosis.baseline import Baseline
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.designed_noise import DesignedNoise, Prepared
@@ -123,7 +124,7 @@ class FittedChain:
         """Return effects that remember and what each block brings them, (n_blocks, *sample)."""
         if self._last[:1] != [effects]:
             middles = [(b, np.array([(n - 1) / 2])) for b, n in enumerate(self.table.n_lines)]
-            stack, chain = Stack.of(self.table, middles, "middle"), self._chain(effects)
+            stack, chain = self.stack(middles, "middle"), self._chain(effects)
             found = [
                 (x, self.run(stack, without_noise(chain[:k]), 0, noise=0.0))
                 for k, x in enumerate(chain)
@@ -131,6 +132,12 @@ class FittedChain:
             ]
             self._last[:] = [effects, found]
         return list(self._last[1])
+
+    def stack(self, lines: Sequence[tuple[int, Columns]], key: str) -> Stack:
+        """Return the stack of (block, lines counted from the block's first); one for each key."""
+        if key not in self._stacks:
+            self._stacks[key] = Stack.of(self.table, lines, key)
+        return self._stacks[key]
 
     def noise_free(self, stack: Stack, effects: Sequence[Effect], draw: int) -> Floats:
         """Return the mean DN, (n_lines, n_pixels); effects of single events have these drawn."""
@@ -258,6 +265,10 @@ class FittedChain:
 
     @cached_property
     def _numbers(self) -> dict[tuple[str, str, int], Floats]:
+        return {}
+
+    @cached_property
+    def _stacks(self) -> dict[str, Stack]:
         return {}
 
     @cached_property

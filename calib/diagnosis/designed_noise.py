@@ -8,13 +8,17 @@ so is left to chance: single events, which a link asks for one by one.
 from typing import Any
 
 import numpy as np
-from numpy.random import Generator
+from numpy.random import PCG64, Generator, default_rng
 from numpy.typing import ArrayLike, NDArray
 
 from calib.diagnosis.designed_normals import designed_normals, designed_sequence
 from calib.forward.moments import Moments
 
 Floats = NDArray[np.float64]
+
+
+_SHARED = PCG64(0)
+"""Nothing is drawn from it: seeding one for each block would take longer than most effects do."""
 
 
 class DesignedNoise(Moments):
@@ -33,17 +37,30 @@ class DesignedNoise(Moments):
 
         `noise` is 1, or -1 for the opposite numbers, or 0 for expectations.
         """
-        super().__init__(seed, noise=noise)
-        self._shape, self._which, self._source, self._size = shape, which, source, noise
+        super().__init__(_SHARED, noise=noise)
+        self._seed, self._shape, self._which, self._source = seed, shape, which, source
+        self._size = noise
         self._asked = 0
         self._lines: Floats | None = None
-        self.events = self.shared = False
+        self._chance: Generator | None = None
+        self.shared = False
+
+    @property
+    def events(self) -> bool:
+        """Whether anything was left to chance."""
+        return self._chance is not None
+
+    @property
+    def chance(self) -> Generator:
+        """What draws events."""
+        if self._chance is None:
+            self._chance = default_rng(self._seed)
+        return self._chance
 
     def poisson(self, lam: ArrayLike = 1.0, size: Any = None) -> Any:
         """Return smooth numbers for pixels; single ones, of events, are drawn."""
         if np.ndim(lam) == 0 and size is None:
-            self.events = True
-            return Generator.poisson(self, float(np.asarray(lam)))
+            return self.chance.poisson(float(np.asarray(lam)))
         return super().poisson(lam, size)
 
     def binomial(self, n: ArrayLike, p: ArrayLike, size: Any = None) -> Any:
@@ -56,15 +73,14 @@ class DesignedNoise(Moments):
         After events, and of any other shape, they are drawn.
         """
         shape = size if isinstance(size, tuple) else () if size is None else (int(size),)
-        n = self._shape[0]
-        known = {self._shape, self._shape[1:], self._shape[:1], self._row}
-        if self.events or shape not in known:
-            return Generator.standard_normal(self, size)
-        self.shared |= shape in {self._shape[:1], self._row}
+        n, one_a_line = self._shape[0], {self._shape[:1], (*self._shape[:-1], 1)}
+        if self.events or shape not in {self._shape, self._shape[1:], *one_a_line}:
+            return self.chance.standard_normal(size)
+        self.shared |= shape in one_a_line
         if not self._size:
             return np.zeros(shape)
         if n < 2:
-            return self._size * Generator.standard_normal(self, shape)
+            return self._size * default_rng(self._seed).standard_normal(shape)
         if shape == self._shape[1:]:
             return self._size * self._next_line()
         self._asked += 1
@@ -74,12 +90,23 @@ class DesignedNoise(Moments):
 
     def random(self, *asked: Any, **how: Any) -> Any:
         """Return uniform numbers, which tell events."""
-        self.events = True
-        return super().random(*asked, **how)
+        return self.chance.random(*asked, **how)
 
-    @property
-    def _row(self) -> tuple[int, ...]:
-        return (*self._shape[:-1], 1)
+    def integers(self, *asked: Any, **how: Any) -> Any:
+        """Return whole numbers, likewise."""
+        return self.chance.integers(*asked, **how)
+
+    def geometric(self, *asked: Any, **how: Any) -> Any:
+        """Return lengths, likewise."""
+        return self.chance.geometric(*asked, **how)
+
+    def choice(self, *asked: Any, **how: Any) -> Any:
+        """Return choices, likewise."""
+        return self.chance.choice(*asked, **how)
+
+    def uniform(self, *asked: Any, **how: Any) -> Any:
+        """Return uniform numbers, likewise."""
+        return self.chance.uniform(*asked, **how)
 
     def _next_line(self) -> Floats:
         k = self._asked % self._shape[0]
@@ -98,7 +125,7 @@ class Prepared(Moments):
 
     def __init__(self, normals: Floats) -> None:
         """Answer with `normals`, (n_lines, *sample)."""
-        super().__init__(0, noise=1.0)
+        super().__init__(_SHARED, noise=1.0)
         self._normals = normals
 
     def standard_normal(self, *_: Any, **__: Any) -> Any:

@@ -26,6 +26,8 @@ NEIGHBOURS = 4
 """Columns to which each one is orthogonal, where there are lines enough."""
 SEQUENCES, DRAWN_FOR_ONE = 64, 100
 """Of one number a line; so many are drawn to find each."""
+KEPT_SAMPLES = 1 << 16
+"""Arrays up to this size are kept for the next who asks."""
 CANDIDATES = 6
 FORGET = 0.97
 """Running sums forget by this factor a column: pooled statistics are local."""
@@ -40,6 +42,17 @@ def designed_normals(n_lines: int, sample: tuple[int, ...], which: int, source: 
         which: Number of the block; neighbouring ones get different numbers.
         source: 0 or 1 of those that are orthogonal to each other; others are independent.
     """
+    if n_lines * np.prod(sample) <= KEPT_SAMPLES:
+        return _kept(n_lines, sample, which, source)
+    return _tiled(n_lines, sample, which, source)
+
+
+@lru_cache(maxsize=128)
+def _kept(n_lines: int, sample: tuple[int, ...], which: int, source: int) -> Floats:
+    return _tiled(n_lines, sample, which, source)
+
+
+def _tiled(n_lines: int, sample: tuple[int, ...], which: int, source: int) -> Floats:
     sets = _sets(n_lines)
     n_pixels = int(np.prod(sample))
     tiles = -(-n_pixels // WIDTH)
@@ -48,7 +61,9 @@ def designed_normals(n_lines: int, sample: tuple[int, ...], which: int, source: 
     of_tile = (first + 5 * np.arange(tiles)) % SETS
     tiled = sets[of_tile, source % SOURCES]
     flat = np.moveaxis(tiled, 0, 1).reshape(n_lines, tiles * WIDTH)[:, :n_pixels]
-    return np.ascontiguousarray(flat).reshape(n_lines, *sample)
+    found = np.ascontiguousarray(flat).reshape(n_lines, *sample)
+    found.flags.writeable = False
+    return found
 
 
 def designed_sequence(n_lines: int, which: int) -> Floats:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,6 @@ from numpy.typing import NDArray
 from calib.arrays import Columns
 from calib.diagnosis.chain_run import FittedChain
 from calib.diagnosis.pooled import ONSET_LINES
-from calib.diagnosis.stack import Stack
 from calib.diagnosis.tones import Peak
 from calib.diagnosis.with_values import with_values
 from calib.forward.departure import Departure
@@ -50,7 +50,7 @@ def tone_change(chain: FittedChain, effects: Sequence[Effect], peaks: Sequence[P
     if not tonal or not peaks:
         return found
     n = [min(int(lines), TONE_LINES) for lines in chain.table.n_lines]
-    stack = Stack.of(chain.table, [(b, np.arange(float(k))) for b, k in enumerate(n)], "tone")
+    stack = chain.stack([(b, np.arange(float(k))) for b, k in enumerate(n)], "tone")
     lines = chain.noise_free(stack, tonal, 0)
     for b, where in enumerate(stack.parts):
         change = lines[where] - chain.baseline.mean_dn[b].ravel()
@@ -74,7 +74,7 @@ def _by_three(chain: FittedChain, effects: Sequence[Effect], draw: int) -> list[
     """
     counts = chain.table.n_lines.astype(int).tolist()
     lines = [(b, np.array([0.0, (n - 1) / 2, n - 1.0])) for b, n in enumerate(counts)]
-    stack = Stack.of(chain.table, lines, "three")
+    stack = chain.stack(lines, "three")
     found = chain.noise_free(stack, effects, draw)
     simpson = np.array([1.0, 4.0, 1.0]) / 6.0
     return [
@@ -82,6 +82,7 @@ def _by_three(chain: FittedChain, effects: Sequence[Effect], draw: int) -> list[
     ]
 
 
+@lru_cache
 def _parabola(n: int) -> Floats:
     """Return the weights of three lines in the first ones less the later half's mean, (k, 3)."""
     t = np.arange(n) / max(n - 1, 1)
@@ -104,18 +105,20 @@ def _by_stretches(
             lines.append((b, each))
             kept = chain.left_after(b, int(each[0]), effects, left)
             before.append(_as_it_is(kept, effects))
-    stack = Stack.of(chain.table, lines, "spread").before(before)
+    stack = chain.stack(lines, "spread").before(before)
     found = chain.noise_free(stack, effects, draw)
     parts = np.split(found, np.cumsum([len(w) for w in weights])[:-1])
     return [(part, w, _first(len(w))) for part, w in zip(parts, weights, strict=True)]
 
 
+@lru_cache
 def _first(n: int) -> Floats:
     """Return the weights of lines in the first ones less the later half's mean, (k, n)."""
     later = np.where(np.arange(n) >= n // 2, 1.0 / (n - n // 2), 0.0)
     return np.asarray(np.eye(n)[:ONSET_LINES] - later)
 
 
+@lru_cache
 def spread_lines(n: int) -> tuple[tuple[Columns, ...], Columns]:
     """Return stretches of lines that stand for a block of `n`, and the weight of each line.
 

@@ -10,7 +10,7 @@ Financial Engineering (2003), section 7.1), while drawn counts would jump.
 from typing import Any
 
 import numpy as np
-from numpy.random import PCG64, Generator
+from numpy.random import PCG64, BitGenerator, Generator
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
@@ -22,9 +22,9 @@ class Moments(Generator):
     Whatever else is asked for is drawn as ever.
     """
 
-    def __init__(self, seed: int | list[int], *, noise: float) -> None:
+    def __init__(self, seed: int | list[int] | BitGenerator, *, noise: float) -> None:
         """Start from `seed`; `noise` 0 for expectations, 1 for the true standard deviation."""
-        super().__init__(PCG64(seed))
+        super().__init__(seed if isinstance(seed, BitGenerator) else PCG64(seed))
         self._noise = noise
 
     def poisson(self, lam: ArrayLike = 1.0, size: Any = None) -> Any:
