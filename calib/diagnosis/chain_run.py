@@ -19,7 +19,7 @@ from calib.arrays import Columns
 from calib.diagnosis.baseline import Baseline
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.designed_noise import DesignedNoise, Prepared
-from calib.diagnosis.designed_normals import designed_normals
+from calib.diagnosis.designed_normals import SOURCES, designed_normals
 from calib.diagnosis.fitted_links import (
     FittedLink,
     GaussianShotNoise,
@@ -167,7 +167,7 @@ class FittedChain:
         """Return whether an effect asks for events, and for one number a line."""
         if effect.name not in self._asked:
             at, shape = self.table.at(0, np.arange(2.0)), (2, *self.sensor.sample)
-            rng = DesignedNoise([self.seed], shape, 0, 0, noise=1.0)
+            rng = DesignedNoise([self.seed], shape, (0,), 0, noise=1.0)
             effect.apply(np.full(shape, 100.0), at, rng)
             self._asked[effect.name] = rng.events, rng.shared
         return self._asked[effect.name]
@@ -225,11 +225,12 @@ class FittedChain:
         if isinstance(link, FittedLink):
             rng = Prepared(self._normals(stack, link, draw)) if link.stochastic else _UNUSED
             return np.asarray(link.apply(signal, at[0], rng), np.float64)
-        if isinstance(link, Adc):
-            return np.asarray(link.apply(signal, at[0], _UNUSED), np.float64)
+        if link.by_signal:
+            rng = self._rng(link, stack.blocks, draw, signal.shape, noise)
+            return np.asarray(link.apply(signal, at[0], rng), np.float64)
         after = np.empty_like(signal)
         for b, where, a in zip(stack.blocks, stack.parts, at, strict=True):
-            rng = self._rng(link, b, draw, signal[where].shape, noise)
+            rng = self._rng(link, (b,), draw, signal[where].shape, noise)
             after[where] = link.apply(signal[where], a, rng)
         return after
 
@@ -250,14 +251,20 @@ class FittedChain:
         return found
 
     def _rng(
-        self, link: Effect, b: int, draw: int, shape: tuple[int, ...], noise: float
+        self,
+        link: Effect,
+        blocks: Sequence[int],
+        draw: int,
+        shape: tuple[int, ...],
+        noise: float,
     ) -> Generator:
         if not link.stochastic:
             return _UNUSED
         name = crc32(link.name.encode())
         # Sources of noise beyond the baseline's own take arrays of their own.
-        source = 2 * (1 + name % 5)
-        return DesignedNoise([self.seed, name, b, draw], shape, b + 13 * draw, source, noise=noise)
+        source, which = SOURCES * (1 + name % 5), [b + 13 * draw for b in blocks]
+        seed = [self.seed, name, blocks[0], draw]
+        return DesignedNoise(seed, shape, which, source, noise=noise)
 
     @cached_property
     def _kept(self) -> dict[tuple[str, tuple[str, ...], int], tuple[bool, Floats]]:

@@ -5,13 +5,14 @@ numbers behind these are designed for the few lines that are simulated. Only wha
 so is left to chance: single events, which a link asks for one by one.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.random import PCG64, Generator, default_rng
 from numpy.typing import ArrayLike, NDArray
 
-from calib.diagnosis.designed_normals import designed_normals, designed_sequence
+from calib.diagnosis.designed_normals import WIDTH, designed_normals, designed_sequence
 from calib.forward.moments import Moments
 
 Floats = NDArray[np.float64]
@@ -22,7 +23,7 @@ _SHARED = PCG64(0)
 
 
 class DesignedNoise(Moments):
-    """Answers for the lines of one stretch of one block.
+    """Answers for lines of one block, or of several with as many lines each.
 
     Attributes:
         events: Whether anything was left to chance.
@@ -31,17 +32,28 @@ class DesignedNoise(Moments):
     """
 
     def __init__(
-        self, seed: list[int], shape: tuple[int, ...], which: int, source: int, *, noise: float
+        self,
+        seed: list[int],
+        shape: tuple[int, ...],
+        which: Sequence[int],
+        source: int,
+        *,
+        noise: float,
     ) -> None:
-        """Answer for lines of `shape`, (n_lines, *sample); see `designed_normals` for the rest.
+        """Answer for lines of `shape`, (n_lines, *sample).
 
-        `noise` is 1, or -1 for the opposite numbers, or 0 for expectations.
+        Args:
+            seed: Of events.
+            shape: Of the signal.
+            which: The number of each block; see `designed_normals`, also for the source.
+            source: Of noise.
+            noise: 1, or -1 for the opposite numbers, or 0 for expectations.
         """
         super().__init__(_SHARED, noise=noise)
         self._seed, self._shape, self._which, self._source = seed, shape, which, source
-        self._size = noise
-        self._asked = 0
-        self._lines: Floats | None = None
+        self._size, self._n = noise, shape[0] // len(which)
+        self._arrays = self._line = self._column = 0
+        self._lines = self._columns = np.zeros((1, 0))
         self._chance: Generator | None = None
         self.shared = False
 
@@ -73,19 +85,20 @@ class DesignedNoise(Moments):
         After events, and of any other shape, they are drawn.
         """
         shape = size if isinstance(size, tuple) else () if size is None else (int(size),)
-        n, one_a_line = self._shape[0], {self._shape[:1], (*self._shape[:-1], 1)}
+        one_a_line = {self._shape[:1], (*self._shape[:-1], 1)}
         if self.events or shape not in {self._shape, self._shape[1:], *one_a_line}:
             return self.chance.standard_normal(size)
         self.shared |= shape in one_a_line
         if not self._size:
             return np.zeros(shape)
-        if n < 2:
+        if self._n < 2:
             return self._size * default_rng(self._seed).standard_normal(shape)
         if shape == self._shape[1:]:
             return self._size * self._next_line()
-        self._asked += 1
-        if np.prod(shape) == n:
-            return self._size * designed_sequence(n, self._which + self._asked).reshape(shape)
+        if np.prod(shape) == self._shape[0]:
+            self._arrays += 1
+            told = [designed_sequence(self._n, w + self._arrays) for w in self._which]
+            return self._size * np.concatenate(told).reshape(shape)
         return self._size * self._designed(shape[1:]).reshape(shape)
 
     def random(self, *asked: Any, **how: Any) -> Any:
@@ -108,16 +121,32 @@ class DesignedNoise(Moments):
         """Return uniform numbers, likewise."""
         return self.chance.uniform(*asked, **how)
 
+    def _about(self, mean: Floats, variance: Floats, size: Any) -> Any:
+        shape = np.broadcast_shapes(mean.shape, variance.shape)
+        if self._size and self._n > 1 and size is None and shape == self._shape[:-1]:
+            # Counts of one column after the other, along a register.
+            return mean + self._size * np.sqrt(variance) * self._next_column()
+        return super()._about(mean, variance, size)
+
     def _next_line(self) -> Floats:
-        k = self._asked % self._shape[0]
-        if k == 0 or self._lines is None:
+        k = self._line % self._shape[0]
+        if k == 0:
             self._lines = self._designed(self._shape[1:])
-        self._asked += 1
+        self._line += 1
         return np.asarray(self._lines[k])
 
+    def _next_column(self) -> Floats:
+        k = self._column % WIDTH
+        if k == 0:
+            self._columns = self._designed((*self._shape[1:-1], WIDTH))
+        self._column += 1
+        return np.asarray(self._columns[..., k])
+
     def _designed(self, sample: tuple[int, ...]) -> Floats:
-        which = self._which + 3 * (self._asked // self._shape[0])
-        return designed_normals(self._shape[0], sample, which, self._source)
+        more = 3 * self._arrays
+        self._arrays += 1
+        each = [designed_normals(self._n, sample, w + more, self._source) for w in self._which]
+        return np.concatenate(each)
 
 
 class Prepared(Moments):

@@ -1,6 +1,7 @@
 """Statistics of a few drawn lines of all blocks."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,15 @@ class Drawn:
             sensor: The sensor, whose noisy pixels are left out.
             counts: Its counts.
         """
+        if sensor.noisy not in self._pooled:
+            self._pooled[sensor.noisy] = self._in_groups(variance, sensor, counts)
+        return self._pooled[sensor.noisy]
+
+    @cached_property
+    def _pooled(self) -> dict[tuple[int, ...], Floats]:
+        return {}
+
+    def _in_groups(self, variance: Floats, sensor: Sensor, counts: Counts) -> Floats:
         vectors = [
             pooled(each, n, variance[blocks], sensor, counts, first=0).vector()
             for each, blocks, n in zip(self.products, self.blocks, self.n_lines, strict=True)

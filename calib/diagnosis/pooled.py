@@ -98,10 +98,7 @@ def places(sensor: Sensor) -> dict[str, slice]:
 
 def grouped(values: Floats, sensor: Sensor) -> Floats:
     """Return sums over each group of pixels, (..., n_groups), of (..., n_rows, n_columns)."""
-    n, rows = sensor.n_groups + 1, values.reshape(-1, sensor.n_pixels)
-    place = sensor.group.ravel() + n * np.arange(len(rows))[:, None]
-    sums = np.bincount(place.ravel(), rows.ravel(), n * len(rows))
-    return np.asarray(sums.reshape(*values.shape[:-2], n)[..., :-1])
+    return np.asarray(values.reshape(*values.shape[:-2], sensor.n_pixels) @ sensor.members)
 
 
 def pooled(  # noqa: PLR0917 - all that they depend on

@@ -69,7 +69,7 @@ def signature(shape: Shape, evidence: Evidence, responder: Responder) -> Signatu
     if found is None or found.length < FEWEST_SIGMA:
         return None
     if needs_two_draws(found.shape.at(found.strength), responder):
-        found = _taken(shape, found.strength, evidence, responder)
+        found = _taken(shape, found.strength, evidence, responder, first=found.change)
     if found.length < FEWEST_SIGMA:
         return None
     power = 1.0 if shape.two_sided or shape.fixed else _power(tried)
@@ -106,8 +106,9 @@ def _taken(
     responder: Responder,
     *,
     once: bool = False,
+    first: Change | None = None,
 ) -> Signature:
-    change = change_of((shape.at(strength),), evidence, responder, once=once)
+    change = change_of((shape.at(strength),), evidence, responder, once=once, first=first)
     point = evidence.point(change)
     length = float(np.sqrt(max(evidence.product(point, point), 0.0)))
     return Signature(shape, strength, change, point, length, 1.0)
@@ -125,13 +126,16 @@ def change_of(
     responder: Responder,
     *,
     once: bool = False,
+    first: Change | None = None,
 ) -> Change:
     """Return what effects change; what is left to chance is taken twice, and compared.
 
-    Not so where `once`, which tells the size of a change and no more.
+    Not so where `once`, which tells the size of a change and no more; what that gave may be told
+    as `first`.
     """
     coded = any(effect.stage >= Stage.CODES for effect in effects)
-    first = _with_misfit(responder.change(effects), evidence)
+    if first is None:
+        first = _with_misfit(responder.change(effects), evidence)
     others = effects if coded else tuple(_other_pattern(effect) for effect in effects)
     if not once and any(needs_two_draws(effect, responder) for effect in effects):
         first = _reproduced(first, responder.change(others, draw=1), evidence)

@@ -55,6 +55,9 @@ class Effect(ABC):
     adds_light: ClassVar[bool] = False
     """True where `apply` adds light that earlier links' `line_factor` does not scale."""
 
+    by_signal: ClassVar[bool] = False
+    """True where `apply` looks at the signal alone: lines of any conditions may go together."""
+
     def __post_init__(self) -> None:
         """Raise InputError where a parameter lies outside its bounds."""
         check_parameters(self, f"effect {self.name}")

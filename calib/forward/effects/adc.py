@@ -31,6 +31,7 @@ class Adc(Effect):
     name: ClassVar[str] = "adc"
     stage: ClassVar[Stage] = Stage.CODES
     stochastic: ClassVar[bool] = False
+    by_signal: ClassVar[bool] = True
 
     bit_depth: int = parameter(12, unit="bit", low=8, high=16)
 

@@ -45,6 +45,7 @@ class AdcDnl(Departure):
     name: ClassVar[str] = "adc_dnl"
     stage: ClassVar[Stage] = Stage.CODES
     stochastic: ClassVar[bool] = False
+    by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = "Some codes are wide, some narrow or missing; their mean width is 1."
     shows_in: ClassVar[Statistic] = "histogram"
     depends_on: ClassVar[tuple[Variable, ...]] = ("code",)

@@ -38,6 +38,7 @@ class AdcInl(Departure):
     name: ClassVar[str] = "adc_inl"
     stage: ClassVar[Stage] = Stage.CODES
     stochastic: ClassVar[bool] = False
+    by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = (
         "The converter's codes lie off the straight line, smoothly: a sum of sines of the code."
     )

@@ -33,6 +33,7 @@ class BlackClip(Departure):
     name: ClassVar[str] = "black_clip"
     stage: ClassVar[Stage] = Stage.CODES
     stochastic: ClassVar[bool] = False
+    by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = "Codes stop at a level b above 0: DN -> max(DN, b)."
     shows_in: ClassVar[Statistic] = "histogram"
     depends_on: ClassVar[tuple[Variable, ...]] = ("code",)

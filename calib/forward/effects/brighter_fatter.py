@@ -45,6 +45,7 @@ class BrighterFatter(Departure):
     name: ClassVar[str] = "brighter_fatter"
     stage: ClassVar[Stage] = Stage.CHARGE
     stochastic: ClassVar[bool] = False
+    by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = (
         "A pixel's charge repels what comes next into its neighbours: their covariance is a mu^2, "
         "the variance mu - mu^2 times the sum of a."

@@ -57,6 +57,7 @@ class Cti(Departure):
     name: ClassVar[str] = "cti"
     stage: ClassVar[Stage] = Stage.TRANSFER
     stochastic: ClassVar[bool] = True
+    by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = (
         "Each transfer to the output leaves a share of the charge behind, which trails."
     )

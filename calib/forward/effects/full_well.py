@@ -28,6 +28,7 @@ class FullWell(Effect):
     name: ClassVar[str] = "full_well"
     stage: ClassVar[Stage] = Stage.CHARGE
     stochastic: ClassVar[bool] = False
+    by_signal: ClassVar[bool] = True
 
     electrons: float = parameter(30_000.0, unit="e-", low=1.0, neutral=inf)
 

@@ -35,6 +35,7 @@ class HeavyTailedNoise(Departure):
     name: ClassVar[str] = "heavy_tailed_noise"
     stage: ClassVar[Stage] = Stage.VOLTS
     stochastic: ClassVar[bool] = True
+    by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = "Read noise has outliers: a small share of readings is far noisier."
     shows_in: ClassVar[Statistic] = "tail"
     depends_on: ClassVar[tuple[Variable, ...]] = ("line",)

@@ -39,6 +39,7 @@ class InterpixelCapacitance(Departure):
     name: ClassVar[str] = "interpixel_capacitance"
     stage: ClassVar[Stage] = Stage.VOLTS
     stochastic: ClassVar[bool] = False
+    by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = (
         "Neighbouring pixels share a fixed part of each other's signal after collection."
     )

@@ -31,6 +31,7 @@ class LineNoise(Departure):
     name: ClassVar[str] = "line_noise"
     stage: ClassVar[Stage] = Stage.VOLTS
     stochastic: ClassVar[bool] = True
+    by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = (
         "Each line has an offset of its own, white from line to line, whatever the signal."
     )

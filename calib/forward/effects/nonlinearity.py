@@ -30,6 +30,7 @@ class Nonlinearity(Departure):
     name: ClassVar[str] = "nonlinearity"
     stage: ClassVar[Stage] = Stage.VOLTS
     stochastic: ClassVar[bool] = False
+    by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = "The output stage bends: DN = s (1 - beta s) of a signal s."
     shows_in: ClassVar[Statistic] = "mean"
     depends_on: ClassVar[tuple[Variable, ...]] = ("signal",)

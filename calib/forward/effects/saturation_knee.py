@@ -38,6 +38,7 @@ class SaturationKnee(Departure):
     name: ClassVar[str] = "saturation_knee"
     stage: ClassVar[Stage] = Stage.CHARGE
     stochastic: ClassVar[bool] = False
+    by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = (
         "Above a threshold a pixel keeps ever less of its charge: "
         "q -> q_0 + r (1 - exp(-(q - q_0) / r))."

@@ -36,6 +36,7 @@ class StuckBit(Departure):
     name: ClassVar[str] = "stuck_bit"
     stage: ClassVar[Stage] = Stage.CODES
     stochastic: ClassVar[bool] = True
+    by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = "One bit of the code sticks at 0 or 1, always or at times."
     shows_in: ClassVar[Statistic] = "histogram"
     depends_on: ClassVar[tuple[Variable, ...]] = ("code",)

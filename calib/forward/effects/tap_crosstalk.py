@@ -42,6 +42,7 @@ class TapCrosstalk(Departure):
     name: ClassVar[str] = "tap_crosstalk"
     stage: ClassVar[Stage] = Stage.VOLTS
     stochastic: ClassVar[bool] = False
+    by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = "Each tap sees a fraction of what its partner reads at the same time."
     shows_in: ClassVar[Statistic] = "column_covariance"
     depends_on: ClassVar[tuple[Variable, ...]] = ("tap", "signal")

@@ -85,6 +85,17 @@ def test_a_separable_effect_treats_one_line_as_all_lines(
         assert np.allclose(full, np.multiply.outer(factor, row[0]), rtol=1e-15)
 
 
+@lines_and_frames
+@pytest.mark.parametrize("kind", [k for k in CATALOGUE if k.by_signal], ids=lambda kind: kind.name)
+def test_an_effect_by_signal_asks_for_no_conditions(
+    kind: type[Effect], sample: tuple[int, ...]
+) -> None:
+    nothing: Any = object()
+    effect = shown(kind)
+    alone = effect.apply(signal(sample), nothing, np.random.default_rng(1))
+    assert np.array_equal(alone, effect.apply(signal(sample), AT, np.random.default_rng(1)))
+
+
 @every_effect
 def test_survives_toml(kind: type[Effect]) -> None:
     for effect in (kind(), neutral(kind) or kind()):
