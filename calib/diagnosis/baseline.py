@@ -29,7 +29,7 @@ class Baseline:
         slope: DN per radiance us, (n_rows, n_columns).
         gain_dn_per_e: System gain, (n_taps,).
         read_variance_dn2: Rounding included, (n_taps,).
-        dose: Radiance times exposure of each block, radiance us, (n_blocks,).
+        dose: Radiance times exposure, radiance us, (n_blocks, n_rows, n_columns).
         mean_dn: What each pixel of each block should give, (n_blocks, n_rows, n_columns).
         variance_dn2: Of its samples, likewise.
         usable: Where codes are far from both of their ends, likewise.
@@ -45,25 +45,21 @@ class Baseline:
     usable: Flags
 
 
-def fit_baseline(
-    sums: Sequence[BlockSums], table: ConditionsTable, sensor: Sensor, skip: Flags | None = None
-) -> Baseline:
-    """Return the fit of all blocks; `skip`, (n_blocks,), leaves out those of unknown radiance."""
+def fit_baseline(sums: Sequence[BlockSums], table: ConditionsTable, sensor: Sensor) -> Baseline:
+    """Return the fit of all blocks."""
     mean = np.stack([each.mean_dn for each in sums])
     clipped = np.stack([each.clipped for each in sums])
-    dose = table.dose
+    dose = table.dose_of((sensor.n_rows, sensor.n_columns))
     usable = clipped == 0.0
     floor_dn = lowest_pile(sums)
     if floor_dn > 0:
         usable &= mean > floor_dn + 3.0
-    if skip is not None:
-        usable[skip] = False
     variance = np.stack([_smooth_variance(each, sensor) for each in sums])
     n = np.array([each.n_lines for each in sums], np.float64)
     for _ in range(ROUNDS):
         weight = np.where(usable, n[:, None, None] / variance, 0.0)
         offset, slope = fit_lines(mean, dose, weight)
-        expected = offset + slope * dose[:, None, None]
+        expected = offset + slope * dose
         gain, read = fit_noise(sums, expected - offset, usable, variance, sensor)
         variance = np.maximum(
             read[sensor.tap] + gain[sensor.tap] * (expected - offset), 0.3 * read[sensor.tap]
@@ -71,8 +67,6 @@ def fit_baseline(
         reach = CLEAR_SIGMA * np.sqrt(variance) + 0.5
         inside = (expected > floor_dn + reach) & (expected < sensor.camera.full_scale_dn - reach)
         usable = inside & (clipped < 1e-2)
-        if skip is not None:
-            usable[skip] = False
     return Baseline(offset, slope, gain, read, dose, expected, variance, usable)
 
 
@@ -92,17 +86,18 @@ def fit_lines(mean: Floats, dose: Floats, weight: Floats) -> tuple[Floats, Float
 
     Where one dose alone has weight, all of the mean is taken for offset in the dark, and for
     slope in the light.
+
+    Args:
+        mean: (n_blocks, n_rows, n_columns).
+        dose: Likewise.
+        weight: Likewise.
     """
     x = dose / max(float(dose.max()), 1e-300)
     s0 = weight.sum(axis=0)
-    s1 = np.tensordot(x, weight, 1)
-    s2 = np.tensordot(x * x, weight, 1)
+    s1 = (x * weight).sum(axis=0)
+    s2 = (x * x * weight).sum(axis=0)
     y0 = (weight * mean).sum(axis=0)
-    y1 = (
-        np.tensordot(x, weight * mean, 1)
-        if mean.size == 0
-        else np.einsum("b,brc,brc->rc", x, weight, mean)
-    )
+    y1 = (x * weight * mean).sum(axis=0)
     determinant = s0 * s2 - s1 * s1
     fine = determinant > 1e-10 * np.maximum(s0 * s2, 1e-300)
     safe = np.where(fine, determinant, 1.0)

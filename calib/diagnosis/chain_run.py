@@ -196,7 +196,9 @@ class FittedChain:
     ) -> tuple[bool, Floats]:
         """Return whether light has been exposed and the signal after links of the baseline."""
         if not links:
-            return False, np.zeros((stack.n_lines, *self.sensor.sample))
+            scenes = [self.table.beyond_lamps(b, self.sensor.sample) for b in stack.blocks]
+            counts = [a.n_lines for a in stack.at]
+            return False, np.repeat(np.stack(scenes), counts, axis=0)
         key = (stack.key, tuple(x.name for x in links), draw)
         if key in self._kept:
             return self._kept[key]

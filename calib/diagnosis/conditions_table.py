@@ -1,10 +1,11 @@
 """The conditions of a recording's blocks as arrays, with what is unknown filled in."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.arrays import Columns
 from calib.errors import NotDeterminedError
@@ -29,6 +30,7 @@ class ConditionsTable:
         radiance: At the lens, nominal; the level where no radiance is told; 0 where capped.
         started_s: Wall time of the first line.
         n_lines: Lines, or frames.
+        scenes: Radiance at the lens, (n_pixels,) each, of the blocks whose light has a pattern.
     """
 
     blocks: tuple[Block, ...]
@@ -37,6 +39,7 @@ class ConditionsTable:
     radiance: Columns
     started_s: Columns
     n_lines: Columns
+    scenes: Mapping[int, Columns] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -68,6 +71,22 @@ class ConditionsTable:
     def dose(self) -> Columns:
         """Radiance times exposure, radiance us: what the baseline's signal is linear in."""
         return self.radiance * self.exposure_us
+
+    def dose_of(self, shape: tuple[int, int]) -> NDArray[np.float64]:
+        """Return the dose of each pixel, (n_blocks, *shape): that of scenes has their pattern."""
+        uniform = np.broadcast_to(self.dose[:, None, None], (len(self.blocks), *shape))
+        if not self.scenes:
+            return uniform
+        dose = uniform.copy()
+        for b, radiance in self.scenes.items():
+            dose[b] = radiance.reshape(shape) * self.blocks[b].exposure_us
+        return dose
+
+    def beyond_lamps(self, b: int, sample: tuple[int, ...]) -> NDArray[np.float64]:
+        """Return what a scene's radiance has beyond the lamps' uniform one, (*sample,)."""
+        if b not in self.scenes:
+            return np.zeros(sample)
+        return np.asarray(self.scenes[b].reshape(sample) - self.radiance[b])
 
     @property
     def mid_s(self) -> Columns:
@@ -112,8 +131,18 @@ class ConditionsTable:
         return (radiance / max(sum(lamps[:count]), 1e-300),) * count
 
 
-def conditions_table(header: RecordingHeader, n_lines: Sequence[int]) -> ConditionsTable:
-    """Return the table; NotDeterminedError where no line can be told apart by its light."""
+def conditions_table(
+    header: RecordingHeader,
+    n_lines: Sequence[int],
+    images: Mapping[str, Columns] | None = None,
+) -> ConditionsTable:
+    """Return the table; NotDeterminedError where no line can be told apart by its light.
+
+    Args:
+        header: Of the recording.
+        n_lines: Of each block.
+        images: Radiance along the columns, by scene.
+    """
     blocks = header.blocks
     exposures = [block.exposure_us for block in blocks]
     period = header.camera.line_period_us or max(DEFAULT_PERIOD_US, *exposures)
@@ -127,6 +156,11 @@ def conditions_table(header: RecordingHeader, n_lines: Sequence[int]) -> Conditi
         _radiances(blocks),
         _starts(blocks, n_lines, period),
         np.asarray(n_lines, np.float64),
+        {
+            b: images[block.scene]
+            for b, block in enumerate(blocks)
+            if images is not None and block.scene is not None and block.scene in images
+        },
     )
 
 

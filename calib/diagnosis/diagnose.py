@@ -7,6 +7,7 @@ import numpy as np
 
 from calib.diagnosis.chain_run import FittedChain
 from calib.diagnosis.conditions_table import conditions_table
+from calib.diagnosis.contest import Contest, contribution
 from calib.diagnosis.estimate import Estimate
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.figures import Figures
@@ -20,13 +21,14 @@ from calib.diagnosis.findings import (
 from calib.diagnosis.fitted_evidence import evidence_of
 from calib.diagnosis.given_model import parameters_off
 from calib.diagnosis.heldout import HeldOut, HeldOutDeviances
-from calib.diagnosis.judgement import Candidate, candidates_of, contribution
+from calib.diagnosis.judgement import Candidate, candidates_of
 from calib.diagnosis.locate import locate, where
 from calib.diagnosis.model import Member, Model
 from calib.diagnosis.parameter_off import ParameterOff
 from calib.diagnosis.remainder import CERTAIN_SIGMA, looks_at, worst
 from calib.diagnosis.requirements import check_can_be_diagnosed
 from calib.diagnosis.response import Responder
+from calib.diagnosis.scene_light import steady_images, with_known_light
 from calib.diagnosis.search import find
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.shapes import Scales, departures, shapes_of
@@ -81,8 +83,10 @@ def diagnose(
     """
     sensor = Sensor(recording.header.camera)
     check_can_be_diagnosed(recording.header)
-    sums = gather(recording, progress=lambda done: progress(0.4 * done))
-    table = conditions_table(recording.header, [each.n_lines for each in sums])
+    images = steady_images(recording)
+    gathered = gather(recording, progress=lambda done: progress(0.4 * done))
+    header, sums = with_known_light(recording.header, gathered, images)
+    table = conditions_table(header, [each.n_lines for each in sums], images)
     evidence = evidence_of(sums, table, sensor)
     return examine(evidence, given, progress=lambda done: progress(0.4 + 0.6 * done))
 
@@ -98,7 +102,7 @@ def examine(
     signatures = signatures_of(evidence, responder, progress=progress)
     model = find(signatures, evidence, responder)
     heldout = HeldOutDeviances(model, evidence)
-    findings = _findings(model, signatures, evidence, responder, heldout)
+    findings = _findings(model, Contest(signatures, evidence, responder), heldout)
     look, sigma = worst(model, evidence)
     unexplained = None
     if sigma > CERTAIN_SIGMA:
@@ -172,20 +176,14 @@ def signatures_of(
     return tuple(each for each in found if each is not None)
 
 
-def _findings(
-    model: Model,
-    signatures: Sequence[Signature],
-    evidence: Evidence,
-    responder: Responder,
-    heldout: HeldOutDeviances,
-) -> tuple[Finding, ...]:
+def _findings(model: Model, contest: Contest, heldout: HeldOutDeviances) -> tuple[Finding, ...]:
     every = list(range(len(model.members)))
     full = heldout.of(every)
     found = []
     for k, member in enumerate(model.members):
-        names = candidates_of(k, model, signatures, evidence, responder)
+        names = candidates_of(k, model, contest)
         without = heldout.of([j for j in every if j != k])
-        found.append(_finding(member, names, (without, full), evidence))
+        found.append(_finding(member, names, (without, full), contest.evidence))
     return tuple(sorted(found, key=lambda f: -f.significance_sigma))
 
 

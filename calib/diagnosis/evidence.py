@@ -102,7 +102,11 @@ class Evidence:
         )
         block = np.tile(np.arange(self.n_blocks), 2)
         return mean_space(
-            weight, (np.ones(self.n_blocks), self.baseline.dose), modes, block, strength
+            weight,
+            (np.ones(self.n_blocks), self.baseline.dose.reshape(signal.shape)),
+            modes,
+            block,
+            strength,
         )
 
     @cached_property

@@ -18,8 +18,7 @@ from calib.diagnosis.statistics.block_sums import BlockSums
 
 def evidence_of(sums: Sequence[BlockSums], table: ConditionsTable, sensor: Sensor) -> Evidence:
     """Return the evidence of a recording with the baseline fitted to it."""
-    scenes = np.array([block.kind == "scene" for block in table.blocks])
-    baseline = fit_baseline(sums, table, sensor, scenes)
+    baseline = fit_baseline(sums, table, sensor)
     plain = Evidence(
         tuple(sums), table, sensor, baseline, Counts.of(sensor), CommonNoise(0.0, 0.0, 1.0)
     )

@@ -73,8 +73,8 @@ def noise_std(evidence: Evidence) -> tuple[Columns, Columns]:
 def line_std(evidence: Evidence) -> tuple[float, float]:
     """Return the standard uncertainties of the mean offset, DN, and of the mean slope."""
     weight2 = evidence.space.weight**2
-    x = evidence.baseline.dose
-    s0, s1, s2 = (np.tensordot(x**k, weight2, 1) for k in (0, 1, 2))
+    x = evidence.baseline.dose.reshape(weight2.shape)
+    s0, s1, s2 = ((x**k * weight2).sum(axis=0) for k in (0, 1, 2))
     determinant = np.maximum(s0 * s2 - s1 * s1, 1e-300)
     fine = s0 > 0
     n = max(int(fine.sum()), 1)

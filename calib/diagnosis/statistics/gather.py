@@ -34,7 +34,8 @@ def gather(
     gathered = []
     for k, block in enumerate(blocks):
         samples = _samples(recording, block.block, sensor)
-        gathered.append(block_sums(samples, sensor, SPECTRUM_SAMPLES // len(blocks)))
+        most, uniform = SPECTRUM_SAMPLES // len(blocks), block.kind != "scene"
+        gathered.append(block_sums(samples, sensor, most, uniform=uniform))
         progress((k + 1) / len(blocks))
     return tuple(gathered)
 
@@ -52,8 +53,10 @@ def _samples(recording: Recording, name: str, sensor: Sensor) -> NDArray[np.gene
     return joined.reshape(len(joined), sensor.n_rows, sensor.n_columns)
 
 
-def block_sums(samples: NDArray[np.generic], sensor: Sensor, spectrum_samples: int) -> BlockSums:
-    """Return the statistics of codes, (n_lines, n_rows, n_columns)."""
+def block_sums(
+    samples: NDArray[np.generic], sensor: Sensor, spectrum_samples: int, *, uniform: bool = True
+) -> BlockSums:
+    """Return the statistics of codes, (n_lines, n_rows, n_columns), of `uniform` light or not."""
     repeated = repeated_lines(samples)
     # A line that comes twice tells nothing of its own.
     samples = samples[~repeated] if repeated.any() else samples
@@ -62,7 +65,9 @@ def block_sums(samples: NDArray[np.generic], sensor: Sensor, spectrum_samples: i
     sums = line_sums(flat, sensor.camera.full_scale_dn)
     shape = samples.shape[1:]
     mean = sums.mean_dn.reshape(shape)
-    sigma = _sigma(np.nan_to_num(sums.variance_dn2).reshape(shape), sensor)
+    variance = np.maximum(np.nan_to_num(sums.variance_dn2).reshape(shape), 0.1)
+    # Where the light has edges, a pixel's noise is unlike that of those about it.
+    sigma = _sigma(variance, sensor) if uniform else np.sqrt(variance)
     cut = CUT_SIGMA * sigma + 1.0
     products = residual_products(samples, mean, cut, sensor.tap, sensor.n_taps, sensor.partner)
     lines = min(n, max(2, spectrum_samples // sensor.n_pixels))

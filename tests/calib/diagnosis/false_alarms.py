@@ -10,10 +10,10 @@ from secrets import randbits
 import numpy as np
 from numpy.random import default_rng
 
+from calib.diagnosis.contest import Contest
 from calib.diagnosis.diagnose import responder_of, signatures_of
 from calib.diagnosis.model import Model
 from calib.diagnosis.remainder import worst
-from calib.diagnosis.search import ranking
 from calib.forward.model import Model as ForwardModel
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 
@@ -41,7 +41,7 @@ def main() -> None:
         observed = evidence.observed()
         point = evidence.point(observed)
         nothing = Model((), None, observed, point, point, evidence.baseline)
-        best = ranking(signatures, nothing, evidence, responder)[0]
+        best = Contest(signatures, evidence, responder).ranking(nothing, worth=8.0)[0]
         look, sigma = worst(nothing, evidence)
         chi2 = (point.means**2).sum() / evidence.space.degrees_of_freedom
         print(

@@ -1,10 +1,11 @@
 """Simulated recordings for the diagnosis' tests, drawn by the forward model."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.random import Generator
 
+from calib.arrays import Columns
 from calib.diagnosis.conditions_table import conditions_table
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.fitted_evidence import evidence_of
@@ -79,17 +80,22 @@ def plan(
 
 
 def recorded(
-    model: Model, blocks: Sequence[Block], rng: Generator, effects: Sequence[Effect] = ()
+    model: Model,
+    blocks: Sequence[Block],
+    rng: Generator,
+    effects: Sequence[Effect] = (),
+    scenes: Mapping[str, Columns] | None = None,
 ) -> Evidence:
     for effect in effects:
         model = model.with_effect(effect)
     sensor = Sensor(model.camera)
     sums, taken = [], []
-    for block, frames in simulate(model, blocks, rng, frame_lines=4096, settle_s=0.5):
+    drawn = simulate(model, blocks, rng, frame_lines=4096, scenes=scenes, settle_s=0.5)
+    for block, frames in drawn:
         lines = np.concatenate(list(frames))
         samples = lines.reshape(len(lines), sensor.n_rows, sensor.n_columns)
-        sums.append(block_sums(samples, sensor, 1 << 20))
+        sums.append(block_sums(samples, sensor, 1 << 20, uniform=block.kind != "scene"))
         taken.append(block)
     header = RecordingHeader(camera=model.camera, source=model.source, blocks=tuple(taken))
-    table = conditions_table(header, [each.n_lines for each in sums])
+    table = conditions_table(header, [each.n_lines for each in sums], scenes)
     return evidence_of(sums, table, sensor)

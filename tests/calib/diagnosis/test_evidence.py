@@ -1,9 +1,14 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from numpy.random import default_rng
 
+from calib.arrays import Columns
 from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.scene_light import steady_images, with_known_light
 from calib.forward.model import Model
+from calib.recording.header import Block, CameraHeader, RecordingHeader
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 
 SENSORS = {
@@ -42,3 +47,50 @@ def test_means_scatter_as_much_as_their_weights_say() -> None:
         point = evidence.point(evidence.observed())
         freedom = evidence.space.degrees_of_freedom
         assert abs(float((point.means**2).sum()) - freedom) < 5.0 * np.sqrt(2.0 * freedom)
+
+
+def bars(n_columns: int) -> Columns:
+    return np.where(np.arange(n_columns) // (n_columns // 5) % 2, 0.5, 2.5)
+
+
+def test_a_scene_of_known_light_is_as_the_baseline_expects_it() -> None:
+    """Its means, and variances that change at each edge, have z of mean 0 and deviation 1."""
+    scene = Block(block="bars", kind="scene", exposure_us=500.0, level=0.0, lines=60, scene="bars")
+    means, variances = [], []
+    for rng in default_rng().spawn(6):
+        blocks, light = [*plan(rng, 60), scene], {"bars": bars(128)}
+        evidence = recorded(plain_model(128), blocks, rng, scenes=light)
+        assert evidence.baseline.usable[-1].all()
+        means.append(evidence.point(evidence.observed()).means[-1])
+        std = evidence.pooled_std[-1, evidence.places["variance"]]
+        observed = evidence.observed().pooled[-1, evidence.places["variance"]]
+        variances.append(observed / std)
+        # No edge is taken for a sample that stands out: one is beyond 7.5 in 10^13 by chance, and
+        # beyond 5, as which the scatter of 60 lines may have it, in 10^6.
+        assert evidence.sums[-1].rare[:2].sum() <= 1
+    z = np.concatenate(means)
+    # Some of a mean goes into its pixel's offset and slope: 18 blocks share two.
+    assert 0.7 < z.std() < 1.0 + 5.0 / np.sqrt(2 * len(z))
+    z = np.concatenate(variances)
+    assert abs(z.mean()) < 5.0 / np.sqrt(len(z))
+    assert z.std() < 1.0 + 5.0 / np.sqrt(2 * len(z))
+
+
+def test_a_scene_whose_lines_differ_or_that_nobody_knows_is_left_out() -> None:
+    header = RecordingHeader(
+        camera=CameraHeader(columns=3, bit_depth=12),
+        blocks=(
+            Block(block="0", kind="flat", exposure_us=9.0, level=1.0),
+            Block(block="1", kind="scene", exposure_us=9.0, level=0.0, scene="bars"),
+            Block(block="2", kind="scene", exposure_us=9.0, level=0.0, scene="unknown"),
+        ),
+    )
+    sums = [SimpleNamespace(n=k) for k in range(3)]
+    recording = SimpleNamespace(
+        scenes={"bars": np.ones(3), "unknown": np.arange(6.0).reshape(2, 3)}
+    )
+    images = steady_images(recording)
+    assert set(images) == {"bars"}
+    left, kept = with_known_light(header, sums, images)
+    assert [block.block for block in left.blocks] == ["0", "1"]
+    assert [each.n for each in kept] == [0, 1]

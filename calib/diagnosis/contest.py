@@ -1,0 +1,125 @@
+"""Names that compete for one place of a model: each is fitted in it, with all that it can adapt.
+
+What a signature explains before it is fitted tells little of how names compare: strong effects
+bend, and grids are coarse. The likeliest few are fitted, inner parameters and all, beside the
+other effects; what is left then, and what each shape's freedom costs, is what they are told apart
+by.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import log, pi, sqrt
+
+import numpy as np
+
+from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.model import Member, Model
+from calib.diagnosis.point import Point
+from calib.diagnosis.projection import orthonormal, without
+from calib.diagnosis.refit import misfit, refitted
+from calib.diagnosis.response import Responder
+from calib.diagnosis.scores import Score, best_by_name, scores, sharpened
+from calib.diagnosis.signatures import Signature
+
+INNER_RANGE = log(100.0)
+"""Inner parameters are as likely at every logarithm within two decades."""
+
+
+@dataclass(frozen=True)
+class Contest:
+    """What competes, and for what.
+
+    Attributes:
+        signatures: Of all effects.
+        evidence: What they are to explain.
+        responder: Takes signatures anew.
+    """
+
+    signatures: tuple[Signature, ...]
+    evidence: Evidence
+    responder: Responder
+
+    @cached_property
+    def shapes(self) -> dict[str, int]:
+        """How many shapes of each effect are tried, by name."""
+        names = [each.shape.name for each in self.signatures]
+        return {name: names.count(name) for name in names}
+
+    def ranking(self, model: Model, k: int | None = None, *, worth: float = 0.0) -> list[Score]:
+        """Return what each name explains of what `model` leaves, the best first.
+
+        Args:
+            model: Whose other members keep what they explain; their names do not compete.
+            k: A member whose place is looked at: what it explains is to be explained, too.
+            worth: The best of them are looked at closely where they explain more than this.
+        """
+        named = {m.signature.shape.name for m in model.members}
+        left = [s for s in self.signatures if s.shape.name not in named]
+        directions = [d for j, m in enumerate(model.members) if j != k for d in m.directions]
+        residual = model.residual
+        if k is not None:
+            residual = residual + contribution(model.members[k])
+        ranked = scores(left, residual, directions, self.evidence)
+        if ranked and ranked[0].net > worth:
+            sharper = sharpened(ranked, self.evidence, self.responder)
+            again = scores(sharper, residual, directions, self.evidence)
+            ranked = [replace(s, net=s.gain - self.price_of_name(s.name)) for s in again]
+        return best_by_name(ranked)
+
+    def placed(self, model: Model, k: int | None, score: Score) -> Model:
+        """Return the model with one effect more, or with it in the place of `k`, refitted."""
+        members = list(model.members)
+        if k is None:
+            members.append(_unfitted(score))
+        else:
+            members[k] = _unfitted(score)
+        return self.refitted(model, members)
+
+    def refitted(self, model: Model, members: Sequence[Member]) -> Model:
+        """Return the model with those members, all fitted anew."""
+        return refitted(replace(model, members=tuple(members)), self.evidence, self.responder)
+
+    def own_gain(self, model: Model, k: int) -> float:
+        """Return the deviance that member `k` explains beside the others, linearly."""
+        others = [d for j, m in enumerate(model.members) if j != k for d in m.directions]
+        own = contribution(model.members[k])
+        rest = without(own, orthonormal(others, self.evidence), self.evidence)
+        residual = model.residual + own
+        product = self.evidence.product
+        return 2.0 * product(rest, residual) - product(rest, rest)
+
+    def penalised(self, model: Model) -> float:
+        """Return what a model leaves, and what its members cost."""
+        return misfit(model, self.evidence) + sum(self.price_of(m) for m in model.members)
+
+    def price_of_name(self, name: str) -> float:
+        """Return the price, in deviance, of having tried all shapes of a name."""
+        return 2.0 * log(max(self.shapes.get(name, 1), 1))
+
+    def price_of(self, member: Member) -> float:
+        """Return the price of a fitted member.
+
+        A parameter that the data determine to s of its logarithm, of a range W that it might have
+        lain in, costs 2 ln(W / (s sqrt(2 pi))): Laplace's evidence.
+        """
+        freedom = (
+            2.0 * log(INNER_RANGE / (max(std, 1e-6) * sqrt(2.0 * pi))) for std in member.std[1:]
+        )
+        return self.price_of_name(member.signature.shape.name) + sum(max(f, 0.0) for f in freedom)
+
+
+def contribution(member: Member) -> Point:
+    """Return what the member contributes, linearly: its strength times its direction."""
+    if member.signature.shape.fixed:
+        return member.directions[0]
+    return member.directions[0] * (member.strength / member.signature.power)
+
+
+def _unfitted(score: Score) -> Member:
+    signature = score.signature
+    ratio = abs(score.amplitude) ** (1.0 / signature.power)
+    strength = float(np.sign(score.amplitude) * ratio * signature.strength)
+    if signature.shape.fixed:
+        strength = 1.0
+    return Member(signature, strength, {}, (0.0,), (signature.change,), (signature.point,))
