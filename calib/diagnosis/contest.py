@@ -78,6 +78,10 @@ class Contest:
 
     def refitted(self, model: Model, members: Sequence[Member]) -> Model:
         """Return the model with those members, all fitted anew."""
+        if not members:
+            return replace(
+                model, members=(), change=None, residual=model.first, baseline=model.started
+            )
         return refitted(replace(model, members=tuple(members)), self.evidence, self.responder)
 
     def own_gain(self, model: Model, k: int) -> float:

@@ -22,6 +22,7 @@ from calib.diagnosis.fitted_evidence import evidence_of
 from calib.diagnosis.given_model import parameters_off
 from calib.diagnosis.heldout import HeldOut, HeldOutDeviances
 from calib.diagnosis.judgement import Candidate, candidates_of
+from calib.diagnosis.known import beside, known_departures, of_known_baseline
 from calib.diagnosis.locate import locate, where
 from calib.diagnosis.model import Member, Model
 from calib.diagnosis.parameter_off import ParameterOff
@@ -99,10 +100,13 @@ def examine(
 ) -> Examination:
     """Return the diagnosis of gathered statistics."""
     responder = responder_of(evidence)
+    known = known_departures(given, evidence, responder)
     signatures = signatures_of(evidence, responder, progress=progress)
-    model = find(signatures, evidence, responder)
+    unknown = [s for s in signatures if known is None or s.shape.name not in known.names]
+    contest = Contest(tuple(unknown), evidence, responder)
+    model = find(contest, beside(known, evidence))
     heldout = HeldOutDeviances(model, evidence)
-    findings = _findings(model, Contest(signatures, evidence, responder), heldout)
+    findings = _findings(model, contest, heldout)
     look, sigma = worst(model, evidence)
     unexplained = None
     if sigma > CERTAIN_SIGMA:
@@ -113,7 +117,8 @@ def examine(
     names = tuple(m.signature.shape.name for m in model.members)
     off: tuple[ParameterOff, ...] = ()
     if given is not None:
-        off = parameters_off(given, evidence)
+        off = parameters_off(given, of_known_baseline(known, evidence))
+        off += known.off if known is not None else ()
     diagnosis = Diagnosis(
         Fit(BASELINE, before.deviance, before.dof),
         findings,

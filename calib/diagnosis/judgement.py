@@ -1,12 +1,10 @@
 """Which other effects would explain a finding as well, and how sure its name is."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp
 
 from calib.diagnosis.contest import Contest
 from calib.diagnosis.model import Model
-from calib.diagnosis.scores import Score
 
 TEMPLATE_ERROR = 0.03
 """By how much of its length a fitted signature errs, in any direction that parts two names."""
@@ -49,16 +47,15 @@ def candidates_of(k: int, model: Model, contest: Contest) -> tuple[Candidate, ..
     member, gain = model.members[k], contest.own_gain(model, k)
     own = gain - contest.price_of(member)
     ranked = contest.ranking(model, k)
-    nets = {score.name: score.net for score in ranked} | {member.signature.shape.name: own}
+    nets = {member.signature.shape.name: own}
     now = contest.penalised(model)
-    for score in _close(ranked, own, temper(gain)):
-        trial = contest.placed(model, k, score)
-        nets[score.name] = max(score.net, own + now - contest.penalised(trial))
+    for n, score in enumerate(ranked):
+        net = score.net
+        if n < MOST_FITTED and temper(gain) * (own - net) < CLOSE:
+            net = own + now - contest.penalised(contest.placed(model, k, score))
+        # The search has found nothing that is better, and what is not fitted is no proof of it.
+        nets[score.name] = min(net, own)
     return _told(nets, temper(gain))
-
-
-def _close(ranked: Sequence[Score], own: float, tempered: float) -> list[Score]:
-    return [s for s in ranked[:MOST_FITTED] if tempered * (own - s.net) < CLOSE]
 
 
 def _told(nets: dict[str, float], tempered: float) -> tuple[Candidate, ...]:

@@ -46,6 +46,7 @@ class Model:
         residual: Of the whitened statistics.
         first: The residual before any effect.
         baseline: Fitted beside the effects.
+        started: As it was before there were any.
     """
 
     members: tuple[Member, ...]
@@ -54,3 +55,4 @@ class Model:
     residual: Point
     first: Point
     baseline: Baseline
+    started: Baseline

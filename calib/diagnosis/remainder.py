@@ -142,10 +142,26 @@ def _rest(model: Model, evidence: Evidence) -> list[Look]:
 def worst(model: Model, evidence: Evidence) -> tuple[Look, float]:
     """Return the way of looking in which the remainder is farthest from chance, and how far."""
     looks = looks_at(model, evidence)
-    explained = evidence.product(model.first, model.first) - evidence.product(
-        model.residual, model.residual
-    )
-    if not model.members:
-        explained = 0.0
-    ranked = [(look, look.sigma(max(explained, 0.0), len(looks))) for look in looks]
+    explained = explained_deviance(model, evidence)
+    ranked = [(look, look.sigma(explained, len(looks))) for look in looks]
     return max(ranked, key=lambda pair: pair[1])
+
+
+def unexplained_deviance(model: Model, evidence: Evidence) -> float:
+    """Return by how much the remainder exceeds chance where it does so most; 0 where nowhere."""
+    looks = looks_at(model, evidence)
+    explained = explained_deviance(model, evidence)
+    excess = (
+        look.deviance - IMPERFECT_SHARE * explained - look.freedom
+        for look in looks
+        if look.sigma(explained, len(looks)) > CERTAIN_SIGMA
+    )
+    return max(excess, default=0.0)
+
+
+def explained_deviance(model: Model, evidence: Evidence) -> float:
+    """Return the deviance that all effects of a model explain together."""
+    if not model.members:
+        return 0.0
+    before, after = (evidence.product(p, p) for p in (model.first, model.residual))
+    return max(before - after, 0.0)

@@ -7,12 +7,12 @@ place now: what looked like one effect may be two, of which the first name was n
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from calib.diagnosis.contest import Contest
-from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Model
-from calib.diagnosis.response import Responder
 from calib.diagnosis.scores import Score
-from calib.diagnosis.signatures import Signature
+from calib.diagnosis.support import supported
 
 THRESHOLD = 16.0
 """Deviance, after its penalty, that chance alone reaches in about two of a hundred recordings."""
@@ -29,19 +29,24 @@ BETTER = 4.0
 """Deviance by which a name has to be better than one that has the place."""
 
 
-def find(signatures: Sequence[Signature], evidence: Evidence, responder: Responder) -> Model:
-    """Return the effects that explain the recording better than chance, jointly fitted."""
-    contest = Contest(tuple(signatures), evidence, responder)
-    observed = evidence.observed()
-    residual = evidence.point(observed)
-    model, most = Model((), None, observed, residual, residual, evidence.baseline), 0.0
+def find(contest: Contest, nothing: Model) -> Model:
+    """Return the effects that explain the recording better than chance, jointly fitted.
+
+    Args:
+        contest: What is looked for.
+        nothing: The model in which nothing has been found yet.
+    """
+    model, most = nothing, 0.0
     while len(model.members) < MOST_EFFECTS:
         ranked = contest.ranking(model, worth=THRESHOLD / 2)
         if not ranked or ranked[0].net < max(THRESHOLD, IMPERFECT * most):
             break
         most = max(most, ranked[0].gain)
-        model = _pruned(_exchanged(_best_placed(model, None, ranked, contest), contest), contest)
-    return model
+        grown = _pruned(_exchanged(_best_placed(model, None, ranked, contest), contest), contest)
+        if contest.penalised(grown) > contest.penalised(model) - THRESHOLD:
+            break
+        model = grown
+    return supported(model, contest)
 
 
 def _best_placed(model: Model, k: int | None, ranked: Sequence[Score], contest: Contest) -> Model:
@@ -55,7 +60,7 @@ def _exchanged(model: Model, contest: Contest) -> Model:
     """Return the model with names exchanged for such as explain more beside the others."""
     for _ in range(MOST_EFFECTS):
         trials = [model]
-        for k in range(len(model.members) - 1):
+        for k in range(len(model.members) if len(model.members) > 1 else 0):
             ranked, own = contest.ranking(model, k, worth=THRESHOLD), contest.own_gain(model, k)
             if ranked and ranked[0].net > own - CLOSE - CLOSE_SHARE * own:
                 trials.append(_best_placed(model, k, ranked, contest))
@@ -67,9 +72,12 @@ def _exchanged(model: Model, contest: Contest) -> Model:
 
 
 def _pruned(model: Model, contest: Contest) -> Model:
-    """Return the model without effects that the later ones have made superfluous."""
-    for k, member in enumerate(model.members[:-1]):
-        if contest.own_gain(model, k) < THRESHOLD and not member.signature.shape.fixed:
-            kept = [m for j, m in enumerate(model.members) if j != k]
-            return _pruned(contest.refitted(model, kept), contest)
-    return model
+    """Return the model without effects that explain no more than chance beside the others."""
+    if not model.members:
+        return model
+    gains = [contest.own_gain(model, k) for k in range(len(model.members))]
+    least = int(np.argmin(gains))
+    if gains[least] - contest.price_of(model.members[least]) > THRESHOLD:
+        return model
+    kept = [m for j, m in enumerate(model.members) if j != least]
+    return _pruned(contest.refitted(model, kept), contest)

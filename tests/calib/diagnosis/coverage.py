@@ -8,7 +8,9 @@ import sys
 import numpy as np
 from numpy.random import default_rng
 
+from calib.diagnosis.contest import Contest
 from calib.diagnosis.diagnose import estimates_of, responder_of, scales_of
+from calib.diagnosis.known import beside
 from calib.diagnosis.search import find
 from calib.diagnosis.shapes import shapes_of
 from calib.diagnosis.signatures import signature
@@ -26,7 +28,8 @@ def errors_of(name: str) -> dict[str, tuple[float, float]]:
     responder = responder_of(evidence)
     shapes = shapes_of(effect_named(name), scales_of(evidence, responder))
     signatures = [signature(shape, evidence, responder) for shape in shapes]
-    found = find([each for each in signatures if each is not None], evidence, responder)
+    contest = Contest(tuple(s for s in signatures if s is not None), evidence, responder)
+    found = find(contest, beside(None, evidence))
     errors = {}
     for member in found.members:
         for key, estimate in estimates_of(member).items():

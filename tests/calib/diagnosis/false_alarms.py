@@ -12,7 +12,7 @@ from numpy.random import default_rng
 
 from calib.diagnosis.contest import Contest
 from calib.diagnosis.diagnose import responder_of, signatures_of
-from calib.diagnosis.model import Model
+from calib.diagnosis.known import beside
 from calib.diagnosis.remainder import worst
 from calib.forward.model import Model as ForwardModel
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
@@ -38,12 +38,10 @@ def main() -> None:
         evidence = recorded(model, plan(rng, 12 if model.camera.rows else 100), rng)
         responder = responder_of(evidence)
         signatures = signatures_of(evidence, responder)
-        observed = evidence.observed()
-        point = evidence.point(observed)
-        nothing = Model((), None, observed, point, point, evidence.baseline)
+        nothing = beside(None, evidence)
         best = Contest(signatures, evidence, responder).ranking(nothing, worth=8.0)[0]
         look, sigma = worst(nothing, evidence)
-        chi2 = (point.means**2).sum() / evidence.space.degrees_of_freedom
+        chi2 = (nothing.first.means**2).sum() / evidence.space.degrees_of_freedom
         print(
             f"{name:20s} {best.signature.shape.name:24s} {best.net:7.1f} {look.statistic:18s} "
             f"{sigma:5.1f}  chi2/dof {chi2:.3f} common {np.sqrt(evidence.common.fixed_dn2):.3f}",
