@@ -12,11 +12,11 @@ import numpy as np
 from calib.diagnosis.absorbed import Absorbed
 from calib.diagnosis.amended import beside
 from calib.diagnosis.baseline import Baseline
+from calib.diagnosis.change import Change
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.given_model import line_std, noise_std
 from calib.diagnosis.model import Member, Model
 from calib.diagnosis.rebase import rebased
-from calib.diagnosis.response import Change
 
 LEAST = 0.2
 """What is a smaller part of its notable size is not told."""

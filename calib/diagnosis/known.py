@@ -11,12 +11,13 @@ from math import isfinite
 import numpy as np
 
 from calib.diagnosis.baseline import Baseline
+from calib.diagnosis.change import Change
 from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.findings import ParameterOff
 from calib.diagnosis.given_model import DIFFERS_SIGMA
 from calib.diagnosis.model import Model
+from calib.diagnosis.parameter_off import ParameterOff
 from calib.diagnosis.rebase import rebased
-from calib.diagnosis.response import Change, Responder
+from calib.diagnosis.response import Responder
 from calib.diagnosis.signatures import change_of
 from calib.forward.departure import Departure
 from calib.forward.model import Model as ForwardModel
