@@ -155,6 +155,7 @@ class Diagnosis:
         figures: What a report draws.
         summary: The verdict in a sentence.
         radiance: What the plain calibration gets wrong of it.
+        remarks: What limits the answer, and what was looked for and is not there, a sentence each.
     """
 
     baseline: Fit
@@ -166,6 +167,7 @@ class Diagnosis:
     figures: Figures
     summary: str = ""
     radiance: RadianceError | None = None
+    remarks: tuple[str, ...] = ()
 
     @property
     def verdict(self) -> str:
@@ -190,4 +192,5 @@ class Diagnosis:
             "model_parameters": [p.answer() for p in self.model_parameters],
             "radiance_error": None if self.radiance is None else self.radiance.answer(),
             "next_measurement": None,
+            "remarks": list(self.remarks),
         }

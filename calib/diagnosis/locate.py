@@ -55,7 +55,17 @@ def where(
     evidence: Evidence,
 ) -> Where:
     """Return the place in words, too."""
-    names = evidence.table.names
+    return placed(statistic, depends_on, by_block, columns, evidence.table.names)
+
+
+def placed(
+    statistic: str,
+    depends_on: Sequence[str],
+    by_block: Floats,
+    columns: tuple[int, int],
+    names: Sequence[str],
+) -> Where:
+    """Return the place in words, too, among blocks of those names."""
     order = np.argsort(by_block)[::-1]
     total = max(float(by_block.sum()), 1e-300)
     count = int(np.searchsorted(np.cumsum(by_block[order]) / total, SHARE)) + 1

@@ -49,6 +49,8 @@ class CurveFit:
 
     Attributes:
         model: Which.
+        data: What it was fitted to.
+        solution: Of all parameters, those of the response included.
         shape: The curve.
         names: Of the curve's free parameters, as in `Shape`.
         covariance: Of these, in their order.
@@ -64,6 +66,8 @@ class CurveFit:
     """
 
     model: Model
+    data: CurveData
+    solution: Solution
     shape: Shape
     names: tuple[str, ...]
     covariance: Matrix
@@ -145,6 +149,8 @@ def _result(
     size = np.sqrt(errors[2])
     return CurveFit(
         model=model,
+        data=data,
+        solution=solution,
         shape=shape,
         names=data.names,
         covariance=solution.covariance[:n_curve, :n_curve],

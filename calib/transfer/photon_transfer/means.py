@@ -14,15 +14,19 @@ class Means:
     """One mean per block, over all classes of a tap; arrays (n_blocks,).
 
     Attributes:
+        block: Number of the block, as in `Points`.
         exposure_us: Of the block.
         group: Number of the level; those of one level have one radiance.
+        levels: In ascending order, (n_groups,).
         signal_dn: Above the dark level.
         spread: Relative variance of the signal over the tap's pixels.
         samples: How many codes the mean is from.
     """
 
+    block: NDArray[np.intp]
     exposure_us: Columns
     group: NDArray[np.intp]
+    levels: Columns
     signal_dn: Columns
     spread: Columns
     samples: Columns
@@ -33,7 +37,7 @@ class Means:
     @property
     def n_groups(self) -> int:
         """How many levels."""
-        return len(np.unique(self.group))
+        return len(self.levels)
 
     @property
     def freedom(self) -> int:
@@ -57,10 +61,12 @@ def means_of(points: Points) -> Means | None:
     rows = [r for r in rows if _is_shared(r, rows)]
     if not rows:
         return None
-    levels = np.array([r.level[0] for r in rows])
+    levels, group = np.unique([r.level[0] for r in rows], return_inverse=True)
     found = Means(
+        block=np.array([r.block[0] for r in rows]),
         exposure_us=np.array([r.exposure_us[0] for r in rows]),
-        group=np.unique(levels, return_inverse=True)[1],
+        group=group,
+        levels=levels,
         signal_dn=np.array([np.average(r.signal_dn, weights=r.pixels) for r in rows]),
         spread=np.array([_spread(r) for r in rows]),
         samples=np.array([r.samples.sum() for r in rows]),

@@ -1,5 +1,7 @@
 """`darkflat diagnose`: what a recording shows beyond the plain model, or beyond a given one."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -25,8 +27,6 @@ def diagnose(
 ) -> None:
     """Say what a recording shows that the plain model lacks: where, what, and how much."""
     with answering(json) as answer:
-        from calib.diagnosis.amended import amended_model  # noqa: PLC0415
-        from calib.diagnosis.diagnose import diagnose as examined  # noqa: PLC0415
         from calib.diagnosis.report.page import save_page  # noqa: PLC0415
         from calib.forward.model import Model  # noqa: PLC0415
         from calib.recording.durable import refuse_existing  # noqa: PLC0415
@@ -40,14 +40,29 @@ def diagnose(
         given = None if model is None else Model.named(model)
         opened = open_recording(recording)
         with about(recording), progress("Diagnosing") as tell:
-            found = examined(opened, given, progress=share_of(tell))
+            diagnosis, amended = _examined(opened, given, share_of(tell))
             if model_out is not None:
-                source = opened.header.source
-                amended_model(found.model, found.evidence, source, given).save(model_out)
+                amended().save(model_out)
             if report is not None:
-                save_page(found.diagnosis, report, f"Diagnosis of {recording.name}")
-        told = found.diagnosis.answer()
+                save_page(diagnosis, report, f"Diagnosis of {recording.name}")
+        told = diagnosis.answer()
         answer.give(told, lambda console: _show(console, told))
+
+
+def _examined(opened: Any, given: Any, tell: Callable[[float], None]) -> tuple[Any, Any]:
+    """Return the diagnosis, and what makes the amended model; sums have a way of their own."""
+    from calib.diagnosis import amended, diagnose  # noqa: PLC0415
+    from calib.diagnosis.sums import amended as amended_by_sums  # noqa: PLC0415
+    from calib.diagnosis.sums.diagnose import diagnose_sums  # noqa: PLC0415
+
+    if getattr(opened, "statistics", ()):
+        sums = diagnose_sums(opened)
+        return sums.diagnosis, partial(amended_by_sums.amended_model, sums, given)
+    found = diagnose.diagnose(opened, given, progress=tell)
+    source = opened.header.source
+    return found.diagnosis, partial(
+        amended.amended_model, found.model, found.evidence, source, given
+    )
 
 
 def _show(console: Any, told: dict[str, Any]) -> None:
@@ -68,3 +83,5 @@ def _show(console: Any, told: dict[str, Any]) -> None:
             f"{off['name']}: {off['model']:.6g} in the model, {off['fitted']:.6g} +- "
             f"{off['std']:.2g} {off['unit']} in the recording"
         )
+    for remark in told["remarks"]:
+        console.print(remark)
