@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
 from calib.diagnosis.diagnose import BASELINE
+from calib.diagnosis.figures import Figures
 from calib.diagnosis.findings import (
     Diagnosis,
-    Figures,
     Finding,
     Fit,
     NamedCandidate,
@@ -85,7 +85,7 @@ def diagnose_sums(recording: FolderRecording) -> SumsExamination:
         words.not_testable(recording.header, tap.choice.fits[final]),
         (),
         asked.figures(final),
-        (*words.remarks(tap, final), *measured.warnings),
+        remarks=(*words.remarks(tap, final), *measured.warnings),
     )
     return SumsExamination(recording.header, measured, final, diagnosis)
 
