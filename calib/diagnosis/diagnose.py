@@ -174,11 +174,14 @@ def signatures_of(
     scales, lacking = scales_of(evidence, responder), not_testable(evidence)
     kinds = [kind for kind in departures() if kind.name not in lacking]
     shapes = [shape for kind in kinds for shape in shapes_of(kind, scales)]
-    found = []
+    found: list[Signature] = []
     for n, shape in enumerate(shapes):
-        found.append(signature(shape, evidence, responder))
+        # Shapes of one effect are about as strong as each other.
+        start = found[-1].strength if found and found[-1].shape.name == shape.name else 1.0
+        one = signature(shape, evidence, responder, start)
+        found += [] if one is None else [one]
         progress((n + 1) / len(shapes))
-    return tuple(each for each in found if each is not None)
+    return tuple(found)
 
 
 def _findings(model: Model, contest: Contest, heldout: HeldOutDeviances) -> tuple[Finding, ...]:

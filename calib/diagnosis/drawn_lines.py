@@ -27,6 +27,7 @@ class Drawn:
         rare: Rates of what is counted, (n_blocks, n_rare).
         ratio: Each pixel's variance over what is expected, (n_blocks, n_pixels).
         codes: Shares of samples by code, (n_blocks, n_codes).
+        means: Of each pixel, DN, (n_blocks, n_pixels).
     """
 
     products: tuple[ResidualProducts, ...]
@@ -35,6 +36,7 @@ class Drawn:
     rare: Floats
     ratio: Floats
     codes: Floats
+    means: Floats
 
     def pooled(self, variance: Floats, sensor: Sensor, counts: Counts) -> Floats:
         """Return the pooled statistics, (n_blocks, n_pooled).
@@ -76,7 +78,7 @@ def drawn_of(lines: Floats, chain: FittedChain, *, coded: bool) -> Drawn:
         again = np.stack([repeated_lines(each) for each in lines])
     kept = n - again.sum(axis=1)
     rare, ratio = np.zeros((n_blocks, 4)), np.zeros((n_blocks, sensor.n_pixels))
-    counts, products, blocks = [], [], []
+    counts, products, blocks, means = [], [], [], np.zeros_like(ratio)
     for m in np.unique(kept):
         which = np.flatnonzero(kept == m)
         some = lines if m == n and len(which) == n_blocks else _without(lines, again, which)
@@ -84,6 +86,7 @@ def drawn_of(lines: Floats, chain: FittedChain, *, coded: bool) -> Drawn:
         found = stacked_products(
             some, mean, CUT_SIGMA * sigma + 1.0, sensor.tap, sensor.n_taps, sensor.partner
         )
+        means[which] = mean.reshape(len(which), -1)
         rare[which] = _rare(some, mean, sigma, found, n - int(m))
         expected = variance[which] * max(m - 1, 1)
         ratio[which] = (found.squares / expected).reshape(len(which), -1)
@@ -92,7 +95,8 @@ def drawn_of(lines: Floats, chain: FittedChain, *, coded: bool) -> Drawn:
         blocks.append(which)
     return Drawn(
         tuple(products), tuple(blocks), tuple(counts),
-        rare / rare_trials(n, sensor.n_pixels), ratio, _shares(lines, again, sensor, coded=coded),
+        rare / rare_trials(n, sensor.n_pixels), ratio,
+        _shares(lines, again, sensor, coded=coded), means,
     )  # fmt: skip
 
 

@@ -66,11 +66,14 @@ class Responder:
         """Return what `effects` change."""
         lefts = self.chain.left_before(effects)
         coded = any(e.stage >= Stage.CODES for e in effects)
-        means, onset = mean_change(self.chain, effects, lefts, draw)
+        others = [e for e in effects if e.stage < Stage.CODES]
+        means, onset = mean_change(self.chain, others, lefts, draw)
         # What a line's pixels share has chance products with their own noise, of either sign.
         signs = (1.0, -1.0) if any(map(self.chain.moves_lines, effects)) else (1.0,)
         drawn = [self._drawn(effects, lefts, draw, coded=coded, sign=sign) for sign in signs]
         plain = (self.plain or self).plain_drawn(draw, coded=coded)
+        if coded:
+            means = means + self._of_codes(drawn[0], others, lefts, draw)
         table = self.chain.table
         weight = table.n_lines - 1
         ratio = np.average(_mean([d.ratio for d in drawn]) - plain.ratio, 0, weight)
@@ -92,6 +95,18 @@ class Responder:
             np.zeros(len(ratio)),
             np.zeros(len(ratio)),
         )
+
+    def _of_codes(
+        self, drawn: Drawn, others: Sequence[Effect], lefts: Sequence[Left | None], draw: int
+    ) -> Floats:
+        """Return what codes change in the means, (n_blocks, n_pixels), rounding itself left out."""
+        before = self.plain_drawn(draw, coded=False)
+        if others:
+            before = self._drawn(others, lefts, draw, coded=False)
+        rounding = (
+            self.plain_drawn(draw, coded=True).means - self.plain_drawn(draw, coded=False).means
+        )
+        return np.asarray(drawn.means - before.means - rounding)
 
     def _cleaned(self, noisy: NDArray[np.intp]) -> tuple[Counts, Sensor]:
         if len(noisy) == 0:

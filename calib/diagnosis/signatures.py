@@ -46,9 +46,14 @@ class Signature:
     power: float
 
 
-def signature(shape: Shape, evidence: Evidence, responder: Responder) -> Signature | None:
-    """Return the signature at a strength where it is small but clear; None where there is none."""
-    strength, found = 1.0, None
+def signature(
+    shape: Shape, evidence: Evidence, responder: Responder, start: float = 1.0
+) -> Signature | None:
+    """Return the signature at a strength where it is small but clear; None where there is none.
+
+    The search begins at the strength `start`.
+    """
+    strength, found = start, None
     tried: list[tuple[float, float]] = []
     kept: Signature | None = None
     for _ in range(3):
