@@ -38,10 +38,12 @@ from calib.forward.effects.adc import Adc
 from calib.forward.effects.catalogue import place_of
 from calib.forward.left import Left
 from calib.forward.remembering import Remembering
+from calib.kernels.noisy_signal import noisy_signal
 
 Floats = NDArray[np.float64]
 _UNUSED = default_rng(0)
 _NOISE = ("shot_noise", "read_noise")
+_TO_DN = (*_NOISE, "system_gain", "offset")
 KEPT_SAMPLES = 1 << 22
 """A signal of so many samples is kept for the next run; a longer one is made anew."""
 
@@ -181,15 +183,28 @@ class FittedChain:
         while known < len(links) and isinstance(links[known], FittedLink):
             known += 1
         exposed, signal = self._before(stack, tuple(links[:known]), draw, noise)
-        at = list(stack.at)
-        for link in links[known:]:
+        at, left = list(stack.at), list(links[known:])
+        while left:
+            link = left[0]
             if not exposed and link.stage > Stage.SOURCE:
                 signal = signal * stack.by_line([a.exposure_us for a in at], signal.ndim)
                 exposed = True
-            signal = self._through(link, signal, stack, at, draw, noise)
+            if exposed and tuple(x.name for x in left[: len(_TO_DN)]) == _TO_DN:
+                signal, left = self._to_dn(signal, stack, draw), left[len(_TO_DN) :]
+                continue
+            signal, left = self._through(link, signal, stack, at, draw, noise), left[1:]
             if type(link).conditions_after is not Effect.conditions_after:
                 at = [link.conditions_after(a) for a in at]
         return signal
+
+    def _to_dn(self, charge: Floats, stack: Stack, draw: int) -> Floats:
+        """Return DN of the expected charge after the baseline's own noise, gain and offset."""
+        shot, read, gain, offset = self.links[2:6]
+        assert isinstance(read, PixelReadNoise)  # noqa: S101 - so the links are made
+        assert isinstance(gain, PixelGain)  # noqa: S101
+        assert isinstance(offset, PixelOffset)  # noqa: S101
+        one, other = (self._normals(stack, link, draw) for link in (shot, read))
+        return noisy_signal(charge, one, other, read.std_e, gain.dn_per_e, offset.dn)
 
     def _before(
         self, stack: Stack, links: tuple[Effect, ...], draw: int, noise: float

@@ -57,6 +57,7 @@ class Evidence:
         common: Noise that a line's pixels share.
         kept: Blocks that count, where some are left out.
         whole: The space of the means of all pixels, where noisy ones are left out of `space`.
+        known_peaks: Of the spectra, where they have been looked for.
     """
 
     sums: tuple[BlockSums, ...]
@@ -67,6 +68,7 @@ class Evidence:
     common: CommonNoise
     whole: MeanSpace | None = None
     kept: NDArray[np.bool_] | None = None
+    known_peaks: tuple[Peak, ...] | None = None
 
     @cached_property
     def places(self) -> dict[str, slice]:
@@ -202,7 +204,8 @@ class Evidence:
         kept = np.ones(self.n_blocks, bool)
         kept[blocks] = False
         usable = self.baseline.usable & kept[:, None, None]
-        return replace(self, baseline=replace(self.baseline, usable=usable), kept=kept, whole=None)
+        baseline = replace(self.baseline, usable=usable)
+        return replace(self, baseline=baseline, kept=kept, whole=None, known_peaks=self.peaks)
 
     def product(self, one: Point, other: Point) -> float:
         """Return the inner product."""
@@ -216,6 +219,8 @@ class Evidence:
     @cached_property
     def peaks(self) -> tuple[Peak, ...]:
         """Tones that stand out of the spectra."""
+        if self.known_peaks is not None:
+            return self.known_peaks
         return find_peaks(self.sums, self.signal_dn)
 
     def _of_peaks(self, values: Sequence[Sequence[float]]) -> Floats:

@@ -24,9 +24,11 @@ def evidence_of(sums: Sequence[BlockSums], table: ConditionsTable, sensor: Senso
     )
     noisy = noisy_pixels(plain)
     if len(noisy) == 0:
-        return replace(plain, common=_common(plain))
+        return replace(plain, common=_common(plain), known_peaks=plain.peaks)
     cleaned = Sensor(sensor.camera, tuple(int(p) for p in noisy))
-    again = replace(plain, sensor=cleaned, counts=Counts.of(cleaned), whole=plain.space)
+    again = replace(
+        plain, sensor=cleaned, counts=Counts.of(cleaned), whole=plain.space, known_peaks=plain.peaks
+    )
     return replace(again, common=_common(again))
 
 

@@ -9,6 +9,9 @@ from calib.kernels.residual_products import ResidualProducts
 
 Floats = NDArray[np.float64]
 
+PADDING = 2
+"""Frequencies lie half as far apart as the lines resolve, lest a tone fall between two."""
+
 
 @dataclass(frozen=True)
 class BlockSums:

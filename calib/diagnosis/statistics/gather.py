@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from calib.diagnosis.sensor import Sensor
-from calib.diagnosis.statistics.block_sums import BlockSums, Floats
+from calib.diagnosis.statistics.block_sums import PADDING, BlockSums, Floats
 from calib.diagnosis.statistics.rare import rare_counts, repeated_lines
 from calib.kernels.residual_products import residual_products
 from calib.kernels.sums import line_sums
@@ -19,8 +19,6 @@ NEIGHBOURHOODS = 32
 """Of columns, in which a pixel's noise is compared with others'."""
 MOST_SAMPLES = 1 << 26
 """Of a block: so many are looked at, 128 MiB; what comes after adds little."""
-PADDING = 2
-"""Frequencies lie half as far apart as the lines resolve, lest a tone fall between two."""
 SPECTRUM_SAMPLES = 1 << 25
 """All blocks' spectra together hold at most so many samples."""
 
