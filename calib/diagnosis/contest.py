@@ -13,6 +13,7 @@ from math import log, pi, sqrt
 
 import numpy as np
 
+from calib.diagnosis.change import Change
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Member, Model
 from calib.diagnosis.point import Point
@@ -115,9 +116,16 @@ class Contest:
 
 def contribution(member: Member) -> Point:
     """Return what the member contributes, linearly: its strength times its direction."""
-    if member.signature.shape.fixed:
-        return member.directions[0]
-    return member.directions[0] * (member.strength / member.signature.power)
+    return member.directions[0] * _share(member)
+
+
+def contribution_change(member: Member) -> Change:
+    """Return the same of the statistics themselves."""
+    return member.changes[0] * _share(member)
+
+
+def _share(member: Member) -> float:
+    return 1.0 if member.signature.shape.fixed else member.strength / member.signature.power
 
 
 def _unfitted(score: Score) -> Member:

@@ -46,7 +46,7 @@ def candidates_of(k: int, model: Model, contest: Contest) -> tuple[Candidate, ..
     """Return the names that member `k` of the model could have, the likeliest first."""
     member, gain = model.members[k], contest.own_gain(model, k)
     own = gain - contest.price_of(member)
-    ranked = contest.ranking(model, k)
+    ranked = contest.ranking(model, k, worth=own - 2.0 * CLOSE / temper(gain))
     nets = {member.signature.shape.name: own}
     now = contest.penalised(model)
     for n, score in enumerate(ranked):

@@ -61,8 +61,10 @@ def _exchanged(model: Model, contest: Contest) -> Model:
     for _ in range(MOST_EFFECTS):
         trials = [model]
         for k in range(len(model.members) if len(model.members) > 1 else 0):
-            ranked, own = contest.ranking(model, k, worth=THRESHOLD), contest.own_gain(model, k)
-            if ranked and ranked[0].net > own - CLOSE - CLOSE_SHARE * own:
+            own = contest.own_gain(model, k)
+            worth = max(own - CLOSE - CLOSE_SHARE * own, THRESHOLD)
+            ranked = contest.ranking(model, k, worth=worth)
+            if ranked and ranked[0].net > worth:
                 trials.append(_best_placed(model, k, ranked, contest))
         best = min(trials, key=contest.penalised)
         if contest.penalised(best) > contest.penalised(model) - BETTER:
