@@ -115,11 +115,12 @@ def fit_noise(
 ) -> tuple[Floats, Floats]:
     """Return system gain and read variance of each tap from variance against signal."""
     gain, read = np.zeros(sensor.n_taps), np.zeros(sensor.n_taps)
-    size = sensor.n_columns / sensor.n_taps
     for tap in range(sensor.n_taps):
+        of_tap = sensor.tap == tap
+        size = of_tap.sum() / of_tap.any(axis=1).sum()
         rows = []
         for b, each in enumerate(sums):
-            use = usable[b] & (sensor.tap == tap) & (each.products.outliers == 0)
+            use = usable[b] & of_tap & (each.products.outliers == 0)
             if not use.any() or each.n_lines < 2:
                 continue
             scale = (each.n_lines - 1) * (1.0 - 1.0 / size)

@@ -14,6 +14,7 @@ from math import log, pi, sqrt
 import numpy as np
 
 from calib.diagnosis.change import Change
+from calib.diagnosis.courses import PRICE, course, is_free
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Member, Model
 from calib.diagnosis.point import Point
@@ -25,6 +26,8 @@ from calib.diagnosis.signatures import Signature
 
 INNER_RANGE = log(100.0)
 """Inner parameters are as likely at every logarithm within two decades."""
+WORTH_FREEING = 16.0
+"""Deviance, after its price, from which on a course is freed: what chance seldom reaches."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,7 @@ class Contest:
         """
         named = {m.signature.shape.name for m in model.members}
         left = [s for s in self.signatures if s.shape.name not in named]
-        directions = [d for j, m in enumerate(model.members) if j != k for d in m.directions]
+        directions = self._of_others(model, k)
         residual = model.residual
         if k is not None:
             residual = residual + contribution(model.members[k])
@@ -66,7 +69,23 @@ class Contest:
             sharper = sharpened(ranked, self.evidence, self.responder)
             again = scores(sharper, residual, directions, self.evidence)
             ranked = [replace(s, net=s.gain - self.price_of_name(s.name)) for s in again]
-        return best_by_name(ranked)
+        basis = orthonormal(directions, self.evidence)
+        freed = [self._freed(score, residual, basis) for score in best_by_name(ranked)]
+        return sorted(freed, key=lambda score: -score.net)
+
+    def _freed(self, score: Score, residual: Point, basis: Sequence[Point]) -> Score:
+        """Return the score with its course in time left free where that is worth its price."""
+        if score.gain <= WORTH_FREEING or not is_free(score.signature):
+            return score
+        parts = course(score.signature, residual, self.evidence)
+        beside = [*basis, *orthonormal([without(score.signature.point, basis, self.evidence)],
+                                       self.evidence)]  # fmt: skip
+        free = orthonormal([without(p, beside, self.evidence) for _, p in parts], self.evidence)
+        more = sum(self.evidence.product(each, residual) ** 2 for each in free)
+        price = PRICE * len(parts)
+        if more - price < WORTH_FREEING:
+            return score
+        return replace(score, gain=score.gain + more, net=score.net + more - price, course=parts)
 
     def placed(self, model: Model, k: int | None, score: Score) -> Model:
         """Return the model with one effect more, or with it in the place of `k`, refitted."""
@@ -87,12 +106,17 @@ class Contest:
 
     def own_gain(self, model: Model, k: int) -> float:
         """Return the deviance that member `k` explains beside the others, linearly."""
-        others = [d for j, m in enumerate(model.members) if j != k for d in m.directions]
+        others = self._of_others(model, k)
         own = contribution(model.members[k])
         rest = without(own, orthonormal(others, self.evidence), self.evidence)
         residual = model.residual + own
         product = self.evidence.product
         return 2.0 * product(rest, residual) - product(rest, rest)
+
+    def _of_others(self, model: Model, k: int | None) -> list[Point]:
+        """Return the directions in which the other members can adapt."""
+        others = [m for j, m in enumerate(model.members) if j != k]
+        return [d for m in others for d in (*m.directions, *(point for _, point in m.course))]
 
     def penalised(self, model: Model) -> float:
         """Return what a model leaves, and what its members cost."""
@@ -111,17 +135,24 @@ class Contest:
         freedom = (
             2.0 * log(INNER_RANGE / (max(std, 1e-6) * sqrt(2.0 * pi))) for std in member.std[1:]
         )
-        return self.price_of_name(member.signature.shape.name) + sum(max(f, 0.0) for f in freedom)
+        price = self.price_of_name(member.signature.shape.name) + PRICE * len(member.course)
+        return price + sum(max(f, 0.0) for f in freedom)
 
 
 def contribution(member: Member) -> Point:
     """Return what the member contributes, linearly: its strength times its direction."""
-    return member.directions[0] * _share(member)
+    point = member.directions[0] * _share(member)
+    for (_, part), much in zip(member.course, member.course_fit, strict=True):
+        point = point + part * much
+    return point
 
 
 def contribution_change(member: Member) -> Change:
     """Return the same of the statistics themselves."""
-    return member.changes[0] * _share(member)
+    change = member.changes[0] * _share(member)
+    for (part, _), much in zip(member.course, member.course_fit, strict=True):
+        change = change + part * much
+    return change
 
 
 def _share(member: Member) -> float:
@@ -134,4 +165,7 @@ def _unfitted(score: Score) -> Member:
     strength = float(np.sign(score.amplitude) * ratio * signature.strength)
     if signature.shape.fixed:
         strength = 1.0
-    return Member(signature, strength, {}, (0.0,), (signature.change,), (signature.point,))
+    return Member(
+        signature, strength, {}, (0.0,), (signature.change,), (signature.point,),
+        score.course, (0.0,) * len(score.course),
+    )  # fmt: skip

@@ -155,7 +155,7 @@ class Evidence:
             squares += (each.products.squares / variance).ravel()
         means = np.stack([each.mean_dn.ravel() for each in self.sums])
         means = means - self.baseline.mean_dn.reshape(means.shape)
-        freedom = (self.n - 1).sum() * (1.0 - 1.0 / max(self.counts.tap_size.min(), 2.0))
+        freedom = (self.n - 1).sum() * (1.0 - 1.0 / self.counts.smallest_tap)
         misfit, growth = self.misfit(means, observed=True), self.growth(means)
         return Change(
             means, onset, np.stack(vectors), np.stack(rare), squares / freedom - 1.0,

@@ -44,7 +44,7 @@ def _common(quiet: Evidence) -> CommonNoise:
     observed = quiet.observed().pooled
     where = places(quiet.sensor)
     white = np.stack([mean.of["common"].mean() for mean, _ in quiet.expected])
-    taps = quiet.sensor.n_taps
+    taps = quiet.counts.taps_of_row
     own = observed[:, where["common"]].mean(axis=1)
     cross = observed[:, where["common_taps"]].mean(axis=1)
     excess = own / taps + cross * (taps - 1) / taps

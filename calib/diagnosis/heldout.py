@@ -121,7 +121,8 @@ def _points(model: Model, space: Evidence) -> tuple[Point, list[list[Point]], li
     if model.change is None:
         return space.point(model.observed), [], []
     change: Change = model.change
-    directions = [[space.derivative(each, change) for each in m.changes] for m in model.members]
+    changes = [(*m.changes, *(each for each, _ in m.course)) for m in model.members]
+    directions = [[space.derivative(each, change) for each in of_one] for of_one in changes]
     shares = [space.derivative(contribution_change(m), change) for m in model.members]
     return space.point(model.observed - change), directions, shares
 

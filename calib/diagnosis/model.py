@@ -20,6 +20,8 @@ class Member:
         std: Standard uncertainties: of the strength, and of the logarithms of the others.
         changes: Derivatives of the statistics, likewise.
         directions: The same, whitened.
+        course: Changes, and their points, that free its course in time; none where it is a shape's.
+        course_fit: How much of each.
     """
 
     signature: Signature
@@ -28,6 +30,8 @@ class Member:
     std: tuple[float, ...]
     changes: tuple[Change, ...]
     directions: tuple[Point, ...]
+    course: tuple[tuple[Change, Point], ...] = ()
+    course_fit: tuple[float, ...] = ()
 
     @property
     def effect(self) -> Departure:

@@ -61,6 +61,29 @@ class Counts:
     partners: Floats
     tap_size: Floats
 
+    @property
+    def present(self) -> NDArray[np.bool_]:
+        """Which taps a row has, (n_rows, n_taps): of four quadrants, two."""
+        return np.asarray(self.tap_size > 0)
+
+    @property
+    def smallest_tap(self) -> float:
+        """How many pixels of a row share a tap, at least 2."""
+        return max(float(self.tap_size[self.present].min()), 2.0)
+
+    @property
+    def taps_of_row(self) -> float:
+        """How many taps a row has."""
+        return float(self.present.sum(axis=1).mean())
+
+    @property
+    def shared_rows(self) -> dict[tuple[int, int], int]:
+        """In how many rows two taps stand together, of those that do."""
+        n_taps = self.present.shape[1]
+        pairs = [(a, b) for a in range(n_taps) for b in range(a + 1, n_taps)]
+        rows = {(a, b): int((self.present[:, a] & self.present[:, b]).sum()) for a, b in pairs}
+        return {pair: n for pair, n in rows.items() if n > 0}
+
     @classmethod
     def of(cls, sensor: Sensor) -> "Counts":
         """Return the counts of `sensor`."""
@@ -120,7 +143,7 @@ def pooled(  # noqa: PLR0917 - all that they depend on
         first: Lines in which a step from the block before may show, whose common noise is left
             out; as many as `settled` tells where None.
     """
-    size = np.maximum(counts.tap_size.min(), 2.0)
+    size = counts.smallest_tap
     some = np.maximum(counts.pixels, 1.0)
     freedom = (n - 1) * (1.0 - 1.0 / size)
     ratio = (
@@ -135,7 +158,7 @@ def pooled(  # noqa: PLR0917 - all that they depend on
         "partners": products.partners.sum(axis=(-2, -1))
         / (n - 1)
         / np.maximum(counts.partners, 1.0),
-        **_common(products.line_means, n - settled(n) if first is None else first),
+        **_common(products.line_means, n - settled(n) if first is None else first, counts),
     }
     for k in range(COLUMN_LAGS):
         total = grouped(products.columns[..., k, :, :], sensor) / (n - 1)
@@ -152,7 +175,7 @@ def settled(n: int) -> int:
     return n - ONSET_LINES if n >= 4 * ONSET_LINES else n
 
 
-def _common(line_means: Floats, first: int) -> dict[str, Floats]:
+def _common(line_means: Floats, first: int, counts: Counts) -> dict[str, Floats]:
     """Return variances and covariances of what a line's pixels have in common.
 
     The first lines, where a step from the block before shows, are looked at elsewhere.
@@ -160,10 +183,9 @@ def _common(line_means: Floats, first: int) -> dict[str, Floats]:
     line_means = line_means[..., first:, :, :]
     n = line_means.shape[-3]
     centred = line_means - line_means.mean(axis=-3, keepdims=True)
-    n_rows, n_taps = centred.shape[-2:]
-    scale = (n - 1) * n_rows
+    n_rows = centred.shape[-2]
     # Rows of a frame, lines of a line sensor follow each other.
-    along, pairs = np.moveaxis(centred.mean(axis=-1), -2, -1), [n - 1, n_rows]
+    along, pairs = np.moveaxis(centred.sum(axis=-1) / counts.taps_of_row, -2, -1), [n - 1, n_rows]
     if n_rows > 1:
         along = np.swapaxes(along, -2, -1)
     else:
@@ -173,13 +195,12 @@ def _common(line_means: Floats, first: int) -> dict[str, Floats]:
         for k in (1, 2)
     ]
     cross = [
-        (centred[..., a] * centred[..., b]).sum(axis=(-2, -1)) / scale
-        for a in range(n_taps)
-        for b in range(a + 1, n_taps)
+        (centred[..., a] * centred[..., b]).sum(axis=(-2, -1)) / ((n - 1) * rows)
+        for (a, b), rows in counts.shared_rows.items()
     ]
     none = np.zeros_like(lagged[0])
     return {
-        "common": (centred**2).sum(axis=(-3, -2)) / scale,
+        "common": (centred**2).sum(axis=(-3, -2)) / ((n - 1) * counts.present.sum(axis=0)),
         "common_taps": np.asarray(np.mean(cross, axis=0) if cross else none)[..., None],
         "common_1": np.asarray(lagged[0])[..., None],
         "common_2": np.asarray(lagged[1])[..., None],
@@ -199,12 +220,13 @@ def expected(
         counts: Its counts.
     """
     some = np.maximum(counts.pixels, 1.0)
-    size = np.maximum(counts.tap_size.min(), 2.0)
+    size = counts.smallest_tap
     v = grouped(variance, sensor) / some
     v2 = grouped(variance**2, sensor) / some
     k4 = grouped(kurtosis, sensor) / some
     taps = np.array([variance[sensor.tap == t].mean() for t in range(sensor.n_taps)])
-    of_tap = taps / counts.tap_size.mean(axis=0)
+    rows_of_tap = counts.present.sum(axis=0)
+    of_tap = taps / (counts.tap_size.sum(axis=0) / rows_of_tap)
     spread = float(np.sqrt((of_tap**2).mean()))
     kept = settled(n)
     lines = kept * sensor.n_rows
@@ -226,7 +248,7 @@ def expected(
         if sensor.n_rows > 1
         else np.full(1, -of_tap.mean() / sensor.n_taps / kept),
     }
-    pairs = max(sensor.n_taps * (sensor.n_taps - 1) / 2, 1)
+    shared = np.array([1.0 / rows for rows in counts.shared_rows.values()] or [np.inf])
     std = {
         "variance": np.sqrt((2.0 * v2 / (n - 1) + k4 / n) / some + phase**2),
         "kurtosis": np.where(v < ROUNDED_DN2, np.inf, np.sqrt(24.0 / (n * some)) / 3.0),
@@ -234,13 +256,11 @@ def expected(
         "partners": np.sqrt(
             float((variance**2).mean()) / (n - 1) / np.maximum(counts.partners, 1.0)
         ),
-        "common": np.sqrt(2.0 / ((kept - 1) * sensor.n_rows)) * of_tap,
-        "common_taps": np.full(1, spread / np.sqrt((kept - 1) * sensor.n_rows * pairs)),
-        "common_1": np.full(1, of_tap.mean() / sensor.n_taps / np.sqrt(lines)),
-        "common_2": np.full(1, of_tap.mean() / sensor.n_taps / np.sqrt(lines)),
+        "common": np.sqrt(2.0 / ((kept - 1) * rows_of_tap)) * of_tap,
+        "common_taps": np.full(1, spread * np.sqrt(shared.sum() / (kept - 1)) / len(shared)),
+        "common_1": np.full(1, of_tap.mean() / counts.taps_of_row / np.sqrt(lines)),
+        "common_2": np.full(1, of_tap.mean() / counts.taps_of_row / np.sqrt(lines)),
     }
-    if sensor.n_taps == 1:
-        std["common_taps"] = np.full(1, np.inf)
     if sensor.n_rows == 1:
         std["rows"] = np.full_like(v, np.inf)
     for k in range(COLUMN_LAGS):

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.change import Change
+from calib.diagnosis.courses import freed, with_courses
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Member, Model
 from calib.diagnosis.point import Point
@@ -39,11 +40,13 @@ def _fitted(model: Model, evidence: Evidence, responder: Responder) -> Model:
     members, best, baseline = model.members, None, model.baseline
     for turn in range(STEPS):
         about = responder.about(baseline)
-        change = change_of(tuple(m.effect for m in members), evidence, about)
-        residual = model.first - evidence.point(change)
+        plain = change_of(tuple(m.effect for m in members), evidence, about)
         members = tuple(
-            _differentiated(k, members, change, evidence, about) for k in range(len(members))
+            _differentiated(k, members, plain, evidence, about) for k in range(len(members))
         )
+        members = with_courses(members, model.first - evidence.point(plain), evidence)
+        change = plain + freed(members, plain)
+        residual = model.first - evidence.point(change)
         steps, std = _solved(members, residual, evidence)
         members = _with_std(members, std)
         now = replace(model, members=members, change=change, residual=residual, baseline=baseline)
@@ -93,8 +96,9 @@ def _solved(
 def _prepared(model: Model, evidence: Evidence, responder: Responder) -> Model:
     """Return the model with those inner parameters in the fit that the data determine."""
     members, about = list(model.members), responder.about(model.baseline)
+    plain = model.change - freed(members, model.change) if model.change is not None else None
     for k, member in enumerate(members):
-        if member.inner:
+        if member.inner or member.course:
             continue
         scaled = [d for m in members if not m.signature.shape.fixed for d in m.directions]
         basis = orthonormal(scaled, evidence)
@@ -103,7 +107,7 @@ def _prepared(model: Model, evidence: Evidence, responder: Responder) -> Model:
             value = float(getattr(member.signature.shape.template, name))
             trial = replace(member, inner={**inner, name: value})
             moved = [*members[:k], trial, *members[k + 1 :]]
-            direction = _differentiated(k, moved, model.change, evidence, about).directions[-1]
+            direction = _differentiated(k, moved, plain, evidence, about).directions[-1]
             rest = without(direction, basis, evidence)
             if evidence.product(rest, rest) > DETERMINED**2:
                 inner[name] = value

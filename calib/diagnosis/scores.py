@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log
 
+from calib.diagnosis.change import Change
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.point import Point
 from calib.diagnosis.projection import orthonormal, without
@@ -26,12 +27,14 @@ class Score:
         amplitude: In units of the signature's strength.
         gain: Deviance explained.
         net: The same after the penalty for the shapes that were tried.
+        course: What frees its course in time, where that is worth its price.
     """
 
     signature: Signature
     amplitude: float
     gain: float
     net: float
+    course: tuple[tuple[Change, Point], ...] = ()
 
     @property
     def name(self) -> str:

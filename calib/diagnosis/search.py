@@ -60,7 +60,7 @@ def _exchanged(model: Model, contest: Contest) -> Model:
     """Return the model with names exchanged for such as explain more beside the others."""
     for _ in range(MOST_EFFECTS):
         trials = [model]
-        for k in range(len(model.members) if len(model.members) > 1 else 0):
+        for k in range(len(model.members)):
             own = contest.own_gain(model, k)
             worth = max(own - CLOSE - CLOSE_SHARE * own, THRESHOLD)
             ranked = contest.ranking(model, k, worth=worth)

@@ -14,6 +14,7 @@ from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 SENSORS = {
     "line": lambda: plain_model(128),
     "odd and even": lambda: plain_model(128, taps=2, layout="odd_even"),
+    "quadrants": lambda: plain_model(32, taps=4, layout="quadrants", rows=16),
     "quarters": lambda: plain_model(128, bits=14, taps=4, layout="quarters"),
 }
 
@@ -36,7 +37,7 @@ def test_what_the_baseline_expects_is_what_clean_recordings_show(sensor: str) ->
         pooled = np.concatenate(z)
         if len(pooled) == 0:
             continue
-        # Twelve kinds on three sensors: 5 standard errors are exceeded once in 30,000 runs. Chi-
+        # Twelve kinds on four sensors: 5 standard errors are exceeded once in 30,000 runs. Chi-
         # squared statistics of line means are skewed, and gain and read noise were fitted.
         assert abs(pooled.mean()) < 5.0 / np.sqrt(len(pooled)), kind
         assert abs(pooled.std() - 1.0) < 5.0 / np.sqrt(2 * len(pooled)) + 0.07, kind
