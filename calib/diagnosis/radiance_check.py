@@ -32,7 +32,7 @@ def radiance_error(model: Model, evidence: Evidence) -> RadianceError | None:
         (_contribution(m) for m in model.members if m.effect.stage == Stage.SOURCE),
         np.zeros_like(change.means),
     )
-    signal = (base.slope.reshape(1, -1) * base.dose[:, None]).reshape(means.shape)
+    signal = (base.slope * base.dose).reshape(means.shape)
     level = np.median(signal, axis=1)
     scenes = np.array([block.kind == "scene" for block in evidence.table.blocks])
     lit = np.flatnonzero((level > DARKER * level.max()) & ~evidence.table.dark & ~scenes)
