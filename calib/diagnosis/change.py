@@ -1,11 +1,16 @@
 """A change of all statistics of a recording."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+
+
+def unread() -> Floats:
+    """Return no change of a monitor's readings, to which those of any blocks can be added."""
+    return np.zeros(())
 
 
 @dataclass(frozen=True)
@@ -21,6 +26,7 @@ class Change:
         pixel_misfit: By how many standard deviations each pixel's means miss, (n_pixels,).
         pixel_growth: Likewise, how they grow with the exposure beyond the baseline.
         tones: Of squared amplitudes at the peaks of the spectrum, DN^2, (n_blocks, n_tones).
+        monitor: Of the logarithm of what the monitor reads in each block, (n_blocks,).
         codes: Of the share of samples by code, (1 or 2 draws, n_codes); where only effects before
             the conversion change anything, means and variances say it all, and this is 0.
     """
@@ -34,6 +40,7 @@ class Change:
     tones: Floats
     pixel_misfit: Floats
     pixel_growth: Floats
+    monitor: Floats = field(default_factory=unread)
 
     def __sub__(self, other: "Change") -> "Change":
         """Return the difference."""
@@ -51,5 +58,5 @@ class Change:
         """Return its arrays."""
         return (
             self.means, self.onset, self.pooled, self.rare, self.pixel_variance, self.codes,
-            self.tones, self.pixel_misfit, self.pixel_growth,
+            self.tones, self.pixel_misfit, self.pixel_growth, self.monitor,
         )  # fmt: skip

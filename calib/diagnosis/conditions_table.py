@@ -31,6 +31,9 @@ class ConditionsTable:
         started_s: Wall time of the first line.
         n_lines: Lines, or frames.
         scenes: Radiance at the lens, (n_pixels,) each, of the blocks whose light has a pattern.
+        estimated: Names of scenes whose radiance is what they show themselves.
+        sessions: Where hours part recordings that are diagnosed together, which of them each
+            block is of, from 0; empty where all are of one.
     """
 
     blocks: tuple[Block, ...]
@@ -40,6 +43,8 @@ class ConditionsTable:
     started_s: Columns
     n_lines: Columns
     scenes: Mapping[int, Columns] = field(default_factory=dict)
+    estimated: frozenset[str] = frozenset()
+    sessions: tuple[int, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -135,6 +140,9 @@ def conditions_table(
     header: RecordingHeader,
     n_lines: Sequence[int],
     images: Mapping[str, Columns] | None = None,
+    *,
+    estimated: frozenset[str] = frozenset(),
+    sessions: tuple[int, ...] = (),
 ) -> ConditionsTable:
     """Return the table; NotDeterminedError where no line can be told apart by its light.
 
@@ -142,6 +150,8 @@ def conditions_table(
         header: Of the recording.
         n_lines: Of each block.
         images: Radiance along the columns, by scene.
+        estimated: Names of those that were estimated from the recording itself.
+        sessions: Of each block; empty where all are of one.
     """
     blocks = header.blocks
     exposures = [block.exposure_us for block in blocks]
@@ -161,6 +171,8 @@ def conditions_table(
             for b, block in enumerate(blocks)
             if images is not None and block.scene is not None and block.scene in images
         },
+        estimated,
+        sessions,
     )
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.diagnosis.chain_run import FittedChain
-from calib.diagnosis.conditions_table import conditions_table
 from calib.diagnosis.contest import Contest, contribution
 from calib.diagnosis.estimate import Estimate
 from calib.diagnosis.evidence import Evidence
@@ -21,19 +20,22 @@ from calib.diagnosis.findings import (
 from calib.diagnosis.fitted_evidence import evidence_of
 from calib.diagnosis.given_model import parameters_off
 from calib.diagnosis.heldout import HeldOut, HeldOutDeviances
+from calib.diagnosis.joint import joint, joint_images
 from calib.diagnosis.judgement import Candidate, candidates_of
 from calib.diagnosis.known import beside, known_departures, of_known_baseline
 from calib.diagnosis.locate import locate, where
 from calib.diagnosis.model import Member, Model
 from calib.diagnosis.parameter_off import ParameterOff
 from calib.diagnosis.remainder import CERTAIN_SIGMA, looks_at, worst
-from calib.diagnosis.requirements import check_can_be_diagnosed
+from calib.diagnosis.requirements import check_can_be_diagnosed, check_determined
 from calib.diagnosis.response import Responder
-from calib.diagnosis.scene_light import steady_images, with_known_light
+from calib.diagnosis.scene_light import steady_images
+from calib.diagnosis.scenes import with_steady_light
 from calib.diagnosis.search import find
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.shapes import Scales, departures, shapes_of
 from calib.diagnosis.signatures import Signature, signature
+from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.gather import gather
 from calib.diagnosis.words.in_words import in_words
 from calib.forward.model import Model as ForwardModel
@@ -72,24 +74,38 @@ class Examination:
 
 
 def diagnose(
-    recording: Recording,
+    recordings: Recording | Sequence[Recording],
     given: ForwardModel | None = None,
     *,
     progress: Progress = lambda _: None,
 ) -> Examination:
-    """Return what `recording` shows beyond the plain model, or beyond `given`.
+    """Return what a recording shows beyond the plain model, or beyond `given`; or several of one.
 
     Raises:
         NotDeterminedError: The recording cannot tell offset, response and noise apart at all.
+        InputError: Recordings that are not of one camera at one setting, or at once.
     """
-    sensor = Sensor(recording.header.camera)
-    check_can_be_diagnosed(recording.header)
-    images = steady_images(recording)
-    gathered = gather(recording, progress=lambda done: progress(0.4 * done))
-    header, sums = with_known_light(recording.header, gathered, images)
-    table = conditions_table(header, [each.n_lines for each in sums], images)
-    evidence = evidence_of(sums, table, sensor)
+    several = recordings if isinstance(recordings, Sequence) else (recordings,)
+    evidence = gathered_evidence(several, progress=lambda done: progress(0.4 * done))
     return examine(evidence, given, progress=lambda done: progress(0.4 + 0.6 * done))
+
+
+def gathered_evidence(several: Sequence[Recording], *, progress: Progress) -> Evidence:
+    """Return the evidence of recordings of one bench together."""
+    whole = joint([each.header for each in several])
+    check_can_be_diagnosed(whole.header)
+    sums: list[BlockSums] = []
+    for position, k in enumerate(whole.order):
+        sums += gather(several[k], progress=_part(progress, position, len(several)))
+    images = joint_images([steady_images(each) for each in several])
+    light = with_steady_light(whole, sums, images)
+    check_determined(light.sums, light.table)
+    return evidence_of(light.sums, light.table, Sensor(whole.header.camera))
+
+
+def _part(progress: Progress, position: int, of: int) -> Progress:
+    """Return what is told the progress of one recording of several."""
+    return lambda done: progress((position + done) / of)
 
 
 def examine(

@@ -13,6 +13,8 @@ from calib.diagnosis.code_counts import CodeCounts
 from calib.diagnosis.common_noise import CommonNoise
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.mean_space import MeanSpace, mean_space
+from calib.diagnosis.monitor import MonitorReadings, readings_of
+from calib.diagnosis.nuisance import regressors
 from calib.diagnosis.point import Point
 from calib.diagnosis.pooled import (
     KINDS,
@@ -103,13 +105,7 @@ class Evidence:
             [self.common.fixed_dn2 * per_block, self.common.relative * per_block]
         )
         block = np.tile(np.arange(self.n_blocks), 2)
-        return mean_space(
-            weight,
-            (np.ones(self.n_blocks), self.baseline.dose.reshape(signal.shape)),
-            modes,
-            block,
-            strength,
-        )
+        return mean_space(weight, regressors(self.table, signal.shape), modes, block, strength)
 
     @cached_property
     def expected(self) -> tuple[tuple[Pooled, Pooled], ...]:
@@ -140,6 +136,11 @@ class Evidence:
         """What the histogram of codes is compared with."""
         return CodeCounts.of(self.sums, self.baseline)
 
+    @cached_property
+    def monitor(self) -> MonitorReadings:
+        """What the monitor read."""
+        return readings_of(self.table)
+
     def observed(self) -> Change:
         """Return the differences of what was recorded from what the baseline expects."""
         vectors, onset, rare = [], np.zeros((self.n_blocks, ONSET_LINES)), []
@@ -163,6 +164,7 @@ class Evidence:
             self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),
             misfit,
             growth,
+            self.monitor.observed,
         )  # fmt: skip
 
     def point(self, change: Change) -> Point:
@@ -190,6 +192,7 @@ class Evidence:
                 self._steps(change.pixel_growth),
                 self.code_counts.whitened(change.codes),
                 (change.tones / self._tone_std).ravel(),
+                self.monitor.whitened(change.monitor),
             ]
         )
         return Point(means, rest)

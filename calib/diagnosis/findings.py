@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.absorbed import Absorbed
+from calib.diagnosis.deciding.answer import NextMeasurement
 from calib.diagnosis.estimate import Estimate
 from calib.diagnosis.figures import Figures
 from calib.diagnosis.parameter_off import ParameterOff
@@ -168,6 +169,7 @@ class Diagnosis:
     summary: str = ""
     radiance: RadianceError | None = None
     remarks: tuple[str, ...] = ()
+    next_measurement: NextMeasurement | None = None
 
     @property
     def verdict(self) -> str:
@@ -181,6 +183,7 @@ class Diagnosis:
 
     def answer(self) -> dict[str, Any]:
         """Return it as JSON knows it."""
+        following = self.next_measurement
         return {
             "verdict": self.verdict,
             "summary": self.summary,
@@ -191,6 +194,6 @@ class Diagnosis:
             "not_testable": [{"effect": n, "why": w} for n, w in self.not_testable.items()],
             "model_parameters": [p.answer() for p in self.model_parameters],
             "radiance_error": None if self.radiance is None else self.radiance.answer(),
-            "next_measurement": None,
+            "next_measurement": following and following.answer(),
             "remarks": list(self.remarks),
         }

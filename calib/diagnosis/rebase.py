@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.baseline import Baseline, fit_lines
 from calib.diagnosis.change import Change
 from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.nuisance import scene_blocks
 from calib.diagnosis.pooled import grouped
 
 Floats = NDArray[np.float64]
@@ -35,7 +36,8 @@ def rebased(now: Baseline, missed: Change, evidence: Evidence) -> Baseline:
         evidence: The recording.
     """
     first = evidence.baseline
-    weight = np.where(first.usable, evidence.n[:, None, None] / first.variance_dn2, 0.0)
+    told = first.usable & ~scene_blocks(evidence.table)[:, None, None]
+    weight = np.where(told, evidence.n[:, None, None] / first.variance_dn2, 0.0)
     means = missed.means.reshape(first.mean_dn.shape)
     offset, slope = fit_lines(means, first.dose, weight)
     gain, read = _noise_step(missed, evidence)

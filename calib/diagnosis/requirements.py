@@ -1,9 +1,15 @@
 """What a recording must hold to be diagnosed at all."""
 
+from collections.abc import Sequence
+
+from calib.diagnosis.conditions_table import ConditionsTable
+from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.errors import NotDeterminedError
 from calib.recording.header import RecordingHeader
 
 FEWEST_LINES = 4
+MOST_CLIPPED = 0.5
+"""A block with a larger share of its samples at full scale tells no signal."""
 
 
 def check_can_be_diagnosed(header: RecordingHeader) -> None:
@@ -23,9 +29,35 @@ def check_can_be_diagnosed(header: RecordingHeader) -> None:
             code="one-signal",
         )
     known = [block.lines for block in header.blocks if block.lines is not None]
-    if known and max(known) < FEWEST_LINES:
+    if known:
+        _check_lines(max(known))
+
+
+def check_determined(sums: Sequence[BlockSums], table: ConditionsTable) -> None:
+    """Raise NotDeterminedError, saying which blocks to add, where what was recorded tells nothing.
+
+    Args:
+        sums: Of the blocks.
+        table: Their conditions.
+    """
+    _check_lines(max(each.n_lines for each in sums))
+    top = [each.histogram[-1] / max(each.histogram.sum(), 1) for each in sums]
+    clipped = [share > MOST_CLIPPED for share in top]
+    seen = {dose for dose, lost in zip(table.dose, clipped, strict=True) if not lost}
+    if len(seen) < 2 and any(clipped):
+        lit = zip(table.blocks, clipped, strict=True)
+        shortest = min(block.exposure_us for block, lost in lit if lost)
         raise NotDeterminedError(
-            f"no block has more than {max(known)} lines: record blocks of {FEWEST_LINES} lines or "
-            "more, best 100, to tell noise",
+            f"{sum(clipped)} of {len(clipped)} blocks are saturated, and the others are of one "
+            f"signal: add flats at two exposures below {shortest:g} us, or at a lower level",
+            code="saturated",
+        )
+
+
+def _check_lines(most: int) -> None:
+    if most < FEWEST_LINES:
+        raise NotDeterminedError(
+            f"no block has more than {most} lines: record blocks of {FEWEST_LINES} lines or more, "
+            "best 100, to tell noise",
             code="too-few-lines",
         )

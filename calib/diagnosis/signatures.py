@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.change import Change
 from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.monitor import light_change
 from calib.diagnosis.point import Point
 from calib.diagnosis.response import Responder
 from calib.diagnosis.shapes import Shape
@@ -150,7 +151,7 @@ def change_of(
             first = replace(
                 first, pixel_misfit=nothing, pixel_growth=nothing, pixel_variance=nothing
             )
-    return first
+    return replace(first, monitor=light_change(effects, evidence.table))
 
 
 def _with_misfit(change: Change, evidence: Evidence) -> Change:

@@ -31,3 +31,13 @@ def as_scene(scene: Lines | None, n_lines: int, sample: tuple[int, ...]) -> NDAr
             code="scene-radiance",
         )
     return image
+
+
+def bar(n_columns: int) -> NDArray[np.float64]:
+    """Return which share of the light a target lets through, (n_columns,): its middle third alone.
+
+    The plainest scene with edges: an opaque plate with a slit, one edge on either side, one nearer
+    to the register's output than the other.
+    """
+    columns = np.arange(n_columns)
+    return ((columns >= n_columns // 3) & (columns < 2 * n_columns // 3)).astype(np.float64)

@@ -47,7 +47,7 @@ class MockMonitor:
         """Integrate, then return the current; `monitor-overflow` above the range."""
         with self.line.exchange():
             time.sleep(self._integration_s)
-            emissions = self._world.state().emissions()
+            emissions = self._world.state().at_monitor()
             current_a = self._current.measure_a(emissions, self._integration_s, self._rng)
         if abs(current_a) > self.range_a:
             raise DeviceError(

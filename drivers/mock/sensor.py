@@ -5,10 +5,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import Generator
 
-from calib.arrays import RawLines
+from calib.arrays import Lines, RawLines
 from calib.forward.conditions import Conditions
+from calib.forward.effects.illumination import Illumination
 from calib.forward.left import Left
 from calib.forward.model import Model
+from calib.forward.scene import bar
+from calib.recording.frame_codes import sample_shape
 from drivers.mock.world import World
 from drivers.pixel_formats import FORMATS
 from drivers.ports import CameraSettings, PixelFormat
@@ -55,13 +58,25 @@ class VirtualSensor:
             Codes of the pixel format's bit depth, of the settings' `frame_shape`.
         """
         at = replace(self.conditions(settings, started_s), before=self._left)
-        drawn = self.model.draw(at, self._rng)
+        at, scene = self._seen(at)
+        drawn = self.model.draw(at, self._rng, scene)
         self._left, dn = drawn.left, drawn.dn
         first, row = settings.first_column, settings.first_row
         region = dn[..., first : first + settings.n_columns]
         if settings.n_rows is not None:
             region = region[0, row : row + settings.n_rows]
         return aligned(region, self.model.camera.bit_depth, settings.pixel_format)
+
+    def _seen(self, at: Conditions) -> tuple[Conditions, Lines | None]:
+        """Return conditions and scene; a target lets the lamps' light through its slit alone."""
+        illumination = self.model.effect("illumination")
+        if not self.world.state().barred or not isinstance(illumination, Illumination):
+            return at, None
+        columns = self.model.camera.columns
+        image = np.broadcast_to(
+            illumination.total(at.lamps) * bar(columns), sample_shape(self.model.camera)
+        )
+        return replace(at, lamps=()), np.asarray(image)
 
     def draw_afresh(self) -> None:
         """Draw noise from now on that no seed repeats."""

@@ -18,9 +18,11 @@ from math import exp
 from pathlib import Path
 from threading import Lock
 
-_HEADER = struct.Struct("<qqdddd")  # sequence, n_lamps, cap: from, to, at; sensor temperature
+# Sequence, n_lamps, cap: from, to, at; sensor temperature, target; drift: amplitude, tau, since.
+_HEADER = struct.Struct("<qqdddddddd")
 _CAP = struct.Struct("<ddd")
-_CAP_AT, _TEMPERATURE_AT = 16, 40
+_DRIFT = struct.Struct("<ddd")
+_CAP_AT, _TEMPERATURE_AT, _TARGET_AT, _DRIFT_AT = 16, 40, 48, 56
 _LAMP = struct.Struct("<dddd")  # start, target, since, tau
 _LOOKS = 20  # a write takes a few microseconds
 
@@ -44,17 +46,46 @@ class Lamp:
 
 
 @dataclass(frozen=True)
+class LampDrift:
+    """What all lamps do together for hours: 1 + amplitude (1 - exp(-(t - since) / tau))."""
+
+    amplitude: float = 0.0
+    tau_s: float = 1.0
+    since_s: float = 0.0
+
+    def factor(self, at_s: float) -> float:
+        """Relative light at the monotonic time `at_s`."""
+        return 1.0 + self.amplitude * (1.0 - exp(-max(at_s - self.since_s, 0.0) / self.tau_s))
+
+
+@dataclass(frozen=True)
 class WorldState:
-    """A consistent snapshot."""
+    """A consistent snapshot.
+
+    Attributes:
+        lamps: Each by itself.
+        capped: Whether the lens is.
+        sensor_temperature_c: The sensor's temperature.
+        barred: Whether a target with a slit stands before the lens.
+        drift: Of all lamps. A camera's model knows it by itself, a monitor does not.
+    """
 
     lamps: tuple[Lamp, ...]
     capped: bool
     sensor_temperature_c: float
+    barred: bool = False
+    drift: LampDrift = LampDrift()
 
     def emissions(self, at_s: float | None = None) -> tuple[float, ...]:
         """Relative emission of each lamp, now or at the monotonic time `at_s`."""
         now = time.monotonic() if at_s is None else at_s
         return tuple(lamp.emission(now) for lamp in self.lamps)
+
+    def at_monitor(self) -> tuple[float, ...]:
+        """What a monitor sees of each lamp now, drift included."""
+        now = time.monotonic()
+        factor = self.drift.factor(now)
+        return tuple(factor * emission for emission in self.emissions(now))
 
 
 class World:
@@ -75,7 +106,7 @@ class World:
     @classmethod
     def create(cls, path: Path, n_lamps: int, *, sensor_temperature_c: float = 25.0) -> "World":
         """Make a dark, uncapped world with `n_lamps` at `path`."""
-        body = _HEADER.pack(0, n_lamps, 0.0, 0.0, 0.0, sensor_temperature_c)
+        body = _HEADER.pack(0, n_lamps, 0.0, 0.0, 0.0, sensor_temperature_c, 0.0, 0.0, 1.0, 0.0)
         part = path.with_name(f".{path.name}.part")
         part.write_bytes(body + _LAMP.pack(0.0, 0.0, 0.0, 0.0) * n_lamps)
         part.replace(path)
@@ -113,18 +144,28 @@ class World:
         with self._exclusively():
             self._write(_TEMPERATURE_AT, struct.pack("<d", sensor_temperature_c))
 
+    def bar(self, barred: bool) -> None:
+        """Put a target with a slit before the lens, or take it away."""
+        with self._exclusively():
+            self._write(_TARGET_AT, struct.pack("<d", float(barred)))
+
+    def drift(self, amplitude: float, tau_s: float) -> None:
+        """Let all lamps drift from now on."""
+        with self._exclusively():
+            self._write(_DRIFT_AT, _DRIFT.pack(amplitude, tau_s, time.monotonic()))
+
     def close(self) -> None:
         """Let go of the file; safe to call twice."""
         self._map.close()
         self._close_file()
 
     def _unpack(self, data: bytes) -> WorldState:
-        _, n_lamps, was, becomes, at_s, temperature = _HEADER.unpack_from(data)
+        _, n_lamps, was, becomes, at_s, temperature, barred, *drift = _HEADER.unpack_from(data)
         lamps = tuple(
             Lamp(*_LAMP.unpack_from(data, _HEADER.size + i * _LAMP.size)) for i in range(n_lamps)
         )
         capped = becomes if time.monotonic() >= at_s else was
-        return WorldState(lamps, capped > 0, temperature)
+        return WorldState(lamps, capped > 0, temperature, barred > 0, LampDrift(*drift))
 
     @contextmanager
     def _exclusively(self) -> Iterator[None]:

@@ -11,6 +11,7 @@ from service.bench.all_off import all_off
 from service.bench.endings import Endings
 from service.bench.shielded import shielded
 from service.bench.simulated import Simulated
+from service.bench.target import Target
 
 
 class Bench:
@@ -22,6 +23,7 @@ class Bench:
         light: The source.
         monitor: Watches the source; None on a bench without.
         shutter: Caps the camera for darks.
+        target: Puts a scene before the lens; None where nobody can.
         caps_by_lamps_off: True where a dark means that the lamps are off.
         sensor_columns: How many columns the camera has, where the bench file's model says so.
         sensor_rows: How many rows an area camera has, likewise.
@@ -38,6 +40,7 @@ class Bench:
         light: LightSource,
         shutter: Shutter,
         monitor: Monitor | None = None,
+        target: Target | None = None,
         caps_by_lamps_off: bool = False,
         sensor_columns: int | None = None,
         sensor_rows: int | None = None,
@@ -49,6 +52,7 @@ class Bench:
         self.light = light
         self.monitor = monitor
         self.shutter = shutter
+        self.target = target
         self.caps_by_lamps_off = caps_by_lamps_off
         self.sensor_columns = sensor_columns
         self.sensor_rows = sensor_rows

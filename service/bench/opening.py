@@ -13,6 +13,7 @@ from service.bench.open_light import open_light
 from service.bench.operator_shutter import Ask
 from service.bench.settings import BenchSettings
 from service.bench.simulated import Simulated, start_simulated
+from service.bench.target import open_target
 
 
 def open_bench(bench: Path | str | BenchSettings, *, ask: Ask | None = None) -> Bench:
@@ -63,6 +64,7 @@ def _open_devices(settings: BenchSettings, resources: ExitStack, ask: Ask | None
         light=light,
         monitor=monitor,
         shutter=shutter,
+        target=open_target(simulated, ask),
         caps_by_lamps_off=settings.shutter.driver == "lamps_off",
         sensor_columns=None if sensor is None else sensor.columns,
         sensor_rows=None if sensor is None else sensor.rows,

@@ -101,7 +101,18 @@ def _world(simulation: Simulation, n_lamps: int, resources: ExitStack) -> World:
         path = Path(folder) / "world"
     world = World.create(path, n_lamps)
     resources.callback(world.close)
+    _let_drift(world, simulation)
     return world
+
+
+def _let_drift(world: World, simulation: Simulation) -> None:
+    """Let the monitor see how the lamps of the camera's model drift; the camera does anyway."""
+    from calib.forward.effects.lamp_drift import LampDrift  # noqa: PLC0415
+    from calib.forward.model import Model  # noqa: PLC0415
+
+    drift = Model.named(simulation.model).effect("lamp_drift")
+    if isinstance(drift, LampDrift):
+        world.drift(drift.amplitude, drift.time_constant_s)
 
 
 def _start_emulators(

@@ -13,6 +13,7 @@ from service.cli.commands.diagnose import diagnose
 from service.cli.commands.doctor import doctor
 from service.cli.commands.export import export
 from service.cli.commands.import_folder import import_folder
+from service.cli.commands.investigate import investigate
 from service.cli.commands.mtf import mtf
 from service.cli.commands.photon_transfer import photon_transfer
 from service.cli.commands.serve import serve
@@ -41,6 +42,7 @@ app.command("photon-transfer")(photon_transfer)
 app.command("spectral-response")(spectral_response)
 app.command("mtf")(mtf)
 app.command("diagnose")(diagnose)
+app.command("investigate")(investigate)
 app.command("simulate")(simulate)
 app.add_typer(store, name="store")
 

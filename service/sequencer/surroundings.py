@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from drivers.errors import DeviceError
 from drivers.ports import Cancelled, LightState
 from service.bench.bench import Bench
 from service.plan.model import Plan
@@ -41,6 +42,7 @@ class Surroundings:
 
     def set_for(self, step: Step) -> None:
         """Return once the light that `step` asks for is there, and steady where it is seen."""
+        self._show(step.block.scene)
         if step.capped and self._bench.caps_by_lamps_off:
             self._cap(capped=True)
             self._forget()
@@ -79,6 +81,18 @@ class Surroundings:
         )
         self._seen = now.light
         return now
+
+    def _show(self, scene: str | None) -> None:
+        target = self._bench.target
+        if target is not None:
+            target.show(scene)
+        elif scene is not None:
+            raise DeviceError(
+                f"nobody can be asked to put the target {scene} before the lens; run the plan at a"
+                " terminal, or take its scenes out",
+                device="target",
+                code="no-operator",
+            )
 
     def _cap(self, capped: bool) -> None:
         if self._capped != capped:

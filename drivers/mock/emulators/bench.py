@@ -111,7 +111,7 @@ class EmulatedBench:
         rng = np.random.default_rng(settings.seed)
         devices: dict[str, EmulatedDevice] = {
             "monitor": Keithley6485Emulator(
-                lambda: world.state().emissions(), rng, current=settings.current
+                lambda: world.state().at_monitor(), rng, current=settings.current
             ),
             "shutter": Rly16(world, travel_s=settings.travel_s),
         }

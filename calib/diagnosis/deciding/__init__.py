@@ -1,0 +1,1 @@
+"""The deciding measurement: which plan would tell apart what a recording cannot."""

@@ -1,0 +1,87 @@
+"""What a finding could also be: each of its names fitted to the recording in its place."""
+
+from dataclasses import dataclass, replace
+
+from calib.diagnosis.diagnose import Examination, responder_of
+from calib.diagnosis.findings import AMBIGUOUS, Finding
+from calib.diagnosis.judgement import contribution
+from calib.diagnosis.model import Member
+from calib.diagnosis.search import added, scores
+from calib.diagnosis.signatures import retaken
+from calib.forward.departure import Departure
+from calib.forward.parameter import parameters_of
+
+SHAPES = 3
+"""Of a name are looked at closely."""
+AS_GOOD = 4.0
+"""Shapes that differ by less deviance fit as well: two standard deviations."""
+
+
+@dataclass(frozen=True)
+class Rivals:
+    """Names that a recording cannot tell apart.
+
+    Attributes:
+        members: One for each name, as fitted beside the others.
+        others: The other effects of the model.
+    """
+
+    members: tuple[Member, ...]
+    others: tuple[Member, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Their names, the likeliest first."""
+        return tuple(member.effect.name for member in self.members)
+
+
+def is_open(finding: Finding) -> bool:
+    """Return whether a second name of a finding is probable."""
+    return len(finding.candidates) > 1 and finding.candidates[1].probability >= AMBIGUOUS
+
+
+def rivals_of(finding: Finding, examined: Examination) -> Rivals:
+    """Return the names of a finding whose probability counts, each fitted in its place."""
+    model = examined.model
+    name = finding.effect.name
+    own = next(m for m in model.members if m.effect.name == name)
+    others = tuple(m for m in model.members if m.effect.name != name)
+    wanted = [c.effect for c in finding.candidates if c.probability >= AMBIGUOUS]
+    fitted = [_fitted(each, own, others, examined) for each in wanted]
+    if name not in wanted:
+        fitted.append(own)
+    return Rivals(tuple(member for member in fitted if member is not None), others)
+
+
+def _fitted(
+    name: str, own: Member, others: tuple[Member, ...], examined: Examination
+) -> Member | None:
+    """Return the effect of that name fitted in place of `own`; None where it has no part in it."""
+    if name == own.effect.name and _time_is_known(own):
+        return own
+    evidence, model = examined.evidence, examined.model
+    responder = responder_of(evidence)
+    residual = model.residual + contribution(own)
+    directions = [d for m in others for d in m.directions]
+    shapes = [s for s in examined.signatures if s.shape.name == name]
+    ranked = scores(shapes, residual, directions, evidence)[:SHAPES]
+    sharper = [retaken(s.signature, s.amplitude, evidence, responder) for s in ranked]
+    again = scores(sharper, residual, directions, evidence)
+    if not again or again[0].gain <= 0:
+        return None
+    as_good = [score for score in again if score.gain > again[0].gain - AS_GOOD]
+    longest = max(as_good, key=lambda score: _times_s(score.signature.shape.template))
+    alone = replace(model, members=others, residual=residual)
+    return added(alone, longest, evidence, responder).members[-1]
+
+
+def _time_is_known(member: Member) -> bool:
+    """Return whether the data determine how fast the effect goes, if it has such a time."""
+    times = {name for name, told in parameters_of(type(member.effect)).items() if told.unit == "s"}
+    return times <= member.inner.keys()
+
+
+def _times_s(effect: Departure) -> float:
+    """Return the sum of the effect's times: a drift whose end was not seen is taken to go on."""
+    told = parameters_of(type(effect))
+    return sum(float(getattr(effect, name)) for name, each in told.items() if each.unit == "s")

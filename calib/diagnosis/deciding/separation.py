@@ -1,0 +1,68 @@
+"""By how many standard deviations a plan is expected to tell two effects apart.
+
+Of two effects, one true at the strength that was fitted: what of its signature the other cannot
+imitate, at any strength and with any value of what else the data determine of it, is left over
+when the wrong one is fitted. Its length, whitened, is the square root of the deviance by which the
+true name is expected to win, with a standard deviation of 1 (a matched filter; the signatures are
+taken to be straight about the fitted strengths).
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from calib.diagnosis.deciding.rivals import Rivals
+from calib.diagnosis.diagnose import responder_of
+from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.model import Member
+from calib.diagnosis.point import Point
+from calib.diagnosis.projection import orthonormal, without
+from calib.diagnosis.response import Responder
+from calib.diagnosis.signatures import change_of
+
+STEP = 0.1
+"""Of a logarithm, for a derivative."""
+
+
+def separation(rivals: Rivals, evidence: Evidence) -> float:
+    """Return the least separation of any two rivals, whichever of them is true, in sigma."""
+    responder = responder_of(evidence)
+    beside = [d for m in rivals.others for d in _directions(m, evidence, responder)]
+    each = [_directions(member, evidence, responder) for member in rivals.members]
+    found = [
+        _left_over(each[true][0], rivals.members[wrong], each[wrong], beside, evidence)
+        for true in range(len(each))
+        for wrong in range(len(each))
+        if true != wrong
+    ]
+    return min(found, default=0.0)
+
+
+def _directions(member: Member, evidence: Evidence, responder: Responder) -> list[Point]:
+    """Return the whitened signature at the fitted strength, and what else the fit can change.
+
+    A derivative by the strength would differ from the signature by curvature alone, a direction in
+    which no fit can go far.
+    """
+    whole = evidence.point(change_of((member.effect,), evidence, responder))
+    found = [whole]
+    for name, value in member.inner.items():
+        inner = {**member.inner, name: value * float(np.exp(STEP))}
+        effect = replace(member, inner=inner).effect
+        point = evidence.point(change_of((effect,), evidence, responder))
+        found.append((point - whole) * (1.0 / STEP))
+    return found
+
+
+def _left_over(
+    true: Point, wrong: Member, directions: Sequence[Point], beside: Sequence[Point],
+    evidence: Evidence,
+) -> float:  # fmt: skip
+    basis = orthonormal(beside, evidence)
+    target = without(true, basis, evidence)
+    own = without(directions[0], basis, evidence)
+    if evidence.product(own, target) > 0 or wrong.signature.shape.two_sided:
+        # A strength that has a sign cannot imitate what points the other way.
+        target = without(true, orthonormal([*beside, *directions], evidence), evidence)
+    return float(np.sqrt(max(evidence.product(target, target), 0.0)))
