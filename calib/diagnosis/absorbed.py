@@ -45,7 +45,7 @@ class Absorbed:
             size, unit = 100.0 * size, "%"
         # Its uncertainty is that of a coefficient, and two digits tell an operator enough.
         told = number(
-            size, max(100.0 * self.std if unit == "%" else self.std, 0.05 * size), digits=1
+            size, max(100.0 * self.std if unit == "%" else self.std, 0.1 * size), digits=1
         )
         return f"a {self.name} {told} {unit} too {way}"
 

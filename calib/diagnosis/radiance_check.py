@@ -67,8 +67,9 @@ def _left_unsure(model: Model, evidence: Evidence) -> Floats:
     weight = evidence.space.weight
     total = np.zeros_like(weight)
     for member in model.members:
-        moving = zip(member.changes, member.std, strict=True)
-        for change, std in moving:
+        # A shape without a strength has no uncertainty of it.
+        first = 1 if member.signature.shape.fixed else 0
+        for change, std in zip(member.changes[first:], member.std[first:], strict=True):
             white = evidence.space.project(change.means) * std
             total += np.divide(white, weight, out=np.zeros_like(white), where=weight > 0) ** 2
     return np.sqrt(total)

@@ -14,7 +14,8 @@ PLAIN = (-4, 6)
 _PRINTED = {
     "1": "", "e-": "e⁻", "e-/us": "e⁻/µs", "us": "µs", "1/s": "per second", "1/e-": "per e⁻",
     "1/DN": "per DN", "degree Celsius": "°C", "DN/e-": "DN/e⁻", "column": "columns",
-    "pixel": "pixels", "e-/(radiance us)": "e⁻/(radiance µs)", "rad": "rad",
+    "pixel": "pixels", "e-/(radiance us)": "e⁻/(radiance µs)",
+    "DN/(radiance us)": "DN/(radiance µs)",
 }  # fmt: skip
 
 

@@ -27,6 +27,11 @@ class Compared:
 
     examined: Examination
 
+    @property
+    def found(self) -> bool:
+        """Whether anything was found: else after is as before."""
+        return self.examined.model.change is not None
+
     @cached_property
     def whitened_before(self) -> Floats:
         """Residuals of the means by the plain model, (n_blocks, n_pixels)."""

@@ -1,12 +1,17 @@
 """All groups of panels of a report, those that show the most first."""
 
+from functools import partial
+
+from matplotlib.axes import Axes
+
+from calib.diagnosis.figures import Figures
 from calib.diagnosis.report.codes import codes_group, rare_group
 from calib.diagnosis.report.compared import Compared
 from calib.diagnosis.report.lines import first_lines_group, rhythm_group
 from calib.diagnosis.report.means import means_groups
 from calib.diagnosis.report.neighbours import lines_group, neighbours_group
 from calib.diagnosis.report.noise import noise_group
-from calib.diagnosis.report.panel import Group
+from calib.diagnosis.report.panel import AFTER, BEFORE, QUIET, Group, Panel, on_axes
 from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS
 
 SHOWN_SHARE = 0.1
@@ -23,6 +28,26 @@ STATISTICS = {
     "transient": "onset",
 }
 """The group in which each statistic of an answer is drawn."""
+
+
+def groups_of_sums(figures: Figures) -> tuple[tuple[Group, ...], tuple[Group, ...]]:
+    """Return what sums show: by how much each block's mean and variance miss, before and after."""
+
+    def misses(statistic: int, axes: Axes) -> None:
+        both = ((figures.residual_means, BEFORE), (figures.final_means, AFTER))
+        for values, color in both:
+            axes.plot(values[:, statistic], "o-", color=color, ms=3, lw=0.7)
+        axes.axhline(0.0, color=QUIET, lw=0.8)
+        axes.set(xlabel="block, as acquired", ylabel="standard deviations")
+        axes.set_title(("means", "variances")[statistic])
+
+    caption = "By how much each block misses the straight model, and that with what was found."
+    panels = tuple(
+        Panel(f"sums-{k}", on_axes(partial(misses, k)))
+        for k in range(2)
+        if figures.residual_means[:, k].any()
+    )
+    return ((Group("sums", "Sums of blocks", caption, panels, 1.0),), ())
 
 
 def groups_of(seen: Compared) -> tuple[tuple[Group, ...], tuple[Group, ...]]:

@@ -61,7 +61,7 @@ def _spectrum(seen: Compared, along: int | None, axes: Axes) -> None:
     axes.semilogy(cycles, half[:usable].reshape(-1, step).max(axis=1), color=RECORDED, lw=0.9)
     axes.axhline(1.0, color=QUIET, lw=0.8)
     axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.set_ylim(min(0.3, axes.get_ylim()[0]), max(4.0, axes.get_ylim()[1]))
+    axes.set_ylim(0.1, max(4.0, axes.get_ylim()[1]))
     for peak in evidence.peaks:
         if peak.cycles_along == column:
             x = abs(peak.cycles_per_line) if along is None else peak.cycles_per_line
@@ -76,7 +76,8 @@ def _shared(seen: Compared, axes: Axes) -> None:
     order = np.argsort(signal)
     white = plain.mean(axis=1)
     axes.plot(signal[order], np.ones(len(order)), color=BEFORE)
-    axes.plot(signal[order], (final.mean(axis=1) / white)[order], color=AFTER)
+    if seen.found:
+        axes.plot(signal[order], (final.mean(axis=1) / white)[order], color=AFTER)
     error = np.sqrt((std**2).mean(axis=1) / std.shape[1]) / white
     axes.errorbar(
         signal, recorded.mean(axis=1) / white, yerr=np.where(np.isfinite(error), error, 0.0),

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from calib.diagnosis.report.compared import Compared
-from calib.diagnosis.report.panel import AFTER, BEFORE, QUIET, WIDE, Group, Panel, on_axes
+from calib.diagnosis.report.panel import AFTER, BEFORE, QUIET, Group, Panel, on_axes
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +35,8 @@ def means_groups(seen: Compared, follows: tuple[str, ...], weight: float) -> tup
         "What a block's mean differs by from the model, ± its standard error: orange from the "
         "plain model, blue with what was found. Offsets and slopes of the pixels are fitted anew."
     )
-    first = (*_along(seen, [n for n in _LABELS if n in told]), _columns(seen), _map(seen))
+    along = tuple(_along(seen, [n for n in _LABELS if n in told]))
+    first = (*along[:1], *_maps(seen), *along[1:], _columns(seen))
     others = tuple(_along(seen, [n for n in _LABELS if n not in told]))
     return (
         Group("means", "Means of blocks", caption, first, weight),
@@ -61,10 +62,8 @@ def _along(seen: Compared, names: list[str]) -> Iterator[Panel]:
 def _against(seen: Compared, name: str, x: Floats, axes: Axes) -> None:
     std = seen.block_std
     step = 0.006 * float(np.ptp(x))
-    for whitened, color, shift, size in (
-        (seen.whitened_before, BEFORE, -step, 3.5),
-        (seen.whitened_after, AFTER, step, 3.0),
-    ):
+    both = ((seen.whitened_before, BEFORE, -step, 3.5), (seen.whitened_after, AFTER, step, 3.0))
+    for whitened, color, shift, size in both if seen.found else both[:1]:
         axes.errorbar(
             x + shift, seen.block_means(whitened), yerr=std, fmt="o", ms=size, color=color,
             elinewidth=0.7, capsize=0, alpha=0.9,
@@ -81,40 +80,42 @@ def _columns(seen: Compared) -> Panel:
     name = seen.examined.evidence.table.names[b]
 
     def draw(axes: Axes) -> None:
-        for whitened, color in ((before, BEFORE), (seen.whitened_after, AFTER)):
-            row = _by_column(seen, whitened)[b]
-            binned, edges = _binned(row[None])
-            axes.plot(edges, binned[0], color=color, lw=1.1)
+        both = ((before, BEFORE), (seen.whitened_after, AFTER))
+        for whitened, color in both if seen.found else both[:1]:
+            row = by_column(seen, whitened)[b]
+            pooled, edges = binned(row[None])
+            axes.plot(edges, pooled[0], color=color, lw=1.1)
         axes.axhline(0.0, color=QUIET, lw=0.8)
         axes.set(xlabel="column", ylabel="standard deviations", title=f"along block {name}")
 
     return Panel("means-columns", on_axes(draw))
 
 
-def _map(seen: Compared) -> Panel:
-    def draw(figure: Figure) -> None:
-        pair = figure.subplots(1, 2, sharey=True)
-        for axes, whitened, title in zip(
-            pair,
-            (seen.whitened_before, seen.whitened_after),
-            ("plain model", "with what was found"),
-            strict=True,
-        ):
-            binned, _ = _binned(_by_column(seen, whitened))
+def _maps(seen: Compared) -> tuple[Panel, ...]:
+    """Return maps of the residuals by block and column, before and after."""
+
+    def panel(name: str, whitened: Floats, title: str) -> Panel:
+        def draw(figure: Figure) -> None:
+            axes = figure.subplots()
+            pooled, _ = binned(by_column(seen, whitened))
             n_columns = seen.examined.evidence.sensor.n_columns
             image = axes.imshow(
-                binned, aspect="auto", cmap="RdBu_r", vmin=-SPAN_SIGMA, vmax=SPAN_SIGMA,
-                extent=(0, n_columns, len(binned) - 0.5, -0.5), interpolation="nearest",
+                pooled, aspect="auto", cmap="RdBu_r", vmin=-SPAN_SIGMA, vmax=SPAN_SIGMA,
+                extent=(0, n_columns, len(pooled) - 0.5, -0.5), interpolation="nearest",
             )  # fmt: skip
-            axes.set(title=title, xlabel="column")
+            axes.set(title=title, xlabel="column", ylabel="block, as acquired")
             axes.grid(visible=False)
-        pair[0].set_ylabel("block, as acquired")
-        figure.colorbar(image, ax=pair, label="standard deviations", extend="both")
+            figure.colorbar(image, ax=axes, label="σ", extend="both")
 
-    return Panel("means-map", draw, WIDE)
+        return Panel(f"means-map-{name}", draw)
+
+    before = panel("before", seen.whitened_before, "plain model, by block and column")
+    if not seen.found:
+        return (before,)
+    return before, panel("after", seen.whitened_after, "with what was found")
 
 
-def _by_column(seen: Compared, whitened: Floats) -> Floats:
+def by_column(seen: Compared, whitened: Floats) -> Floats:
     """Return residuals by block and column, rows pooled to unit spread."""
     rows = seen.examined.evidence.sensor.n_rows
     return np.asarray(
@@ -122,7 +123,7 @@ def _by_column(seen: Compared, whitened: Floats) -> Floats:
     )
 
 
-def _binned(values: Floats) -> tuple[Floats, Floats]:
+def binned(values: Floats) -> tuple[Floats, Floats]:
     """Return neighbouring columns pooled to unit spread, and where their middles are."""
     step = max(1, -(-values.shape[1] // MOST_BINS))
     usable = values.shape[1] // step * step

@@ -63,7 +63,8 @@ def _by_lag(seen: Compared, of: str, axes: Axes) -> None:
         rows.append((middle, error, _mean(plain, std, bright)[0], _mean(final, std, bright)[0]))
     table = np.array(rows).T
     axes.plot(lags, table[2], "_", color=BEFORE, ms=16, mew=2)
-    axes.plot(lags, table[3], "_", color=AFTER, ms=16, mew=2)
+    if seen.found:
+        axes.plot(lags, table[3], "_", color=AFTER, ms=16, mew=2)
     axes.errorbar(lags, table[0], yerr=table[1], fmt="o", ms=4, color=RECORDED, capsize=2)
     name = "columns" if of == "columns" else "lines"
     axes.set(title="by distance, bright blocks", xlabel=f"{name} apart", ylabel="correlation, %")
@@ -83,7 +84,8 @@ def _by_signal(seen: Compared, kind: str, axes: Axes) -> None:
             rows.append((signal[b].mean(), middle, error, *models))
     table = np.array(rows).reshape(-1, 5).T
     axes.plot(table[0], table[3], color=BEFORE)
-    axes.plot(table[0], table[4], color=AFTER)
+    if seen.found:
+        axes.plot(table[0], table[4], color=AFTER)
     axes.errorbar(table[0], table[1], yerr=table[2], fmt="o", ms=3, color=RECORDED, elinewidth=0.7)
     axes.set(title="next neighbours, by signal", xlabel="signal, DN", ylabel="correlation, %")
 
@@ -94,7 +96,8 @@ def _along(seen: Compared, axes: Axes) -> None:
     stretch = seen.stretch_of_group[None, :]
     columns = seen.examined.evidence.sensor.n_columns
     x = (np.arange(STRETCHES) + 0.5) * columns / STRETCHES
-    for model, color in ((plain, BEFORE), (final, AFTER)):
+    both = ((plain, BEFORE), (final, AFTER))
+    for model, color in both if seen.found else both[:1]:
         level = [_mean(model, std, bright & (stretch == k))[0] for k in range(STRETCHES)]
         axes.plot(x, level, color=color)
     points = np.array([_mean(recorded, std, bright & (stretch == k)) for k in range(STRETCHES)])

@@ -42,7 +42,7 @@ def _curve(seen: Compared, axes: Axes) -> None:
     span = np.array([0.0, float(signal.max(initial=1.0))])
     axes.plot(signal, recorded, ".", color=RECORDED, ms=3.5)
     axes.plot(span, _line(evidence.baseline, span), color=BEFORE)
-    if seen.examined.model.change is not None:
+    if seen.found:
         axes.plot(*_pooled(signal, final), color=AFTER)
         true = beside(seen.examined.model, evidence)
         axes.plot(span, _line(true, span), color=AFTER, ls=":", lw=1.0)
@@ -55,20 +55,22 @@ def _line(base: Baseline, signal: Floats) -> Floats:
 
 def _residuals(seen: Compared, axes: Axes) -> None:
     signal, recorded, plain, final, std = _used(seen)
-    for model, color in ((plain, BEFORE), (final, AFTER)):
+    both = ((plain, BEFORE), (final, AFTER))
+    for model, color in both if seen.found else both[:1]:
         axes.errorbar(
-            signal, 100.0 * (recorded / model - 1.0), yerr=100.0 * std / model, fmt="o", ms=2.5,
+            signal, 100.0 * (recorded - model) / plain, yerr=100.0 * std / plain, fmt="o", ms=2.5,
             color=color, elinewidth=0.5, alpha=0.8,
         )  # fmt: skip
     axes.axhline(0.0, color=QUIET, lw=0.8)
-    axes.set(title="variance over the model's", xlabel="signal, DN", ylabel="difference, %")
+    axes.set(title="variance − model", xlabel="signal, DN", ylabel="of the plain model's, %")
 
 
 def _tails(seen: Compared, axes: Axes) -> None:
     recorded, plain, final, std = seen.pooled("kurtosis")
     used = np.isfinite(std)
     signal = seen.group_signal_dn[used]
-    for model, color in ((plain, BEFORE), (final, AFTER)):
+    both = ((plain, BEFORE), (final, AFTER))
+    for model, color in both if seen.found else both[:1]:
         z = ((recorded - model) / std)[used]
         axes.plot(signal, z, "o", ms=2.5, color=color, alpha=0.8)
     axes.axhline(0.0, color=QUIET, lw=0.8)

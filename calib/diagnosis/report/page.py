@@ -1,134 +1,162 @@
-"""One self-contained HTML page: what was found, where, how sure, and what remains."""
+"""One self-contained HTML page: a sentence first, then where, how sure, and what it does."""
 
-from html import escape
+from collections.abc import Iterable
+from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
-import numpy as np
+import tomli_w
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
 
-from calib.diagnosis.figures import Figures
-from calib.diagnosis.findings import Diagnosis, Finding
-from calib.report.style import as_svg, house_style, new_figure
+from calib.diagnosis.diagnose import Examination
+from calib.diagnosis.findings import Diagnosis
+from calib.diagnosis.report.compared import Compared
+from calib.diagnosis.report.finding import finding_text
+from calib.diagnosis.report.groups import groups_of, groups_of_sums
+from calib.diagnosis.report.mathematics import mathematics
+from calib.diagnosis.report.panel import NARROW, Group, Panel
+from calib.diagnosis.report.radiance import CAPTION, radiance_panel
+from calib.diagnosis.report.remainder import remainder_panels, remainder_words
+from calib.diagnosis.shapes import departures
+from calib.diagnosis.words.verdict import spoken
+from calib.errors import NotDeterminedError
+from calib.recording.durable import write_whole
+from calib.recording.header import CameraHeader
+from calib.report.camera_words import camera_line, camera_name
+from calib.report.page_style import page_style
+from calib.report.rounded import quantity
 
-_VERDICTS = {
-    "consistent": "The recording shows nothing beyond the plain model and chance.",
-    "explained": "Every departure from the plain model has a name, and what remains is chance.",
-    "ambiguous": "Something was found that more than one effect would explain as well.",
-    "unexplained": "Something remains that no effect of the catalogue makes.",
+Content = dict[str, Any]
+
+VERDICTS = {
+    "consistent": "consistent",
+    "explained": "explained",
+    "ambiguous": "ambiguous",
+    "unexplained": "unexplained",
+    "undiagnosed": "cannot be diagnosed",
 }
-_STYLE = (
-    "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;color:#20262e;padding:0 1em}"
-    "table{border-collapse:collapse}td,th{padding:.2em 1em .2em 0;text-align:left;"
-    "border-bottom:1px solid #e4e8ec}svg{max-width:100%;height:auto}"
-)
 
 
-def page(diagnosis: Diagnosis, title: str) -> str:
-    """Return the page of a diagnosis."""
-    parts = [
-        f"<h1>{escape(title)}</h1>",
-        f"<p><strong>{diagnosis.verdict}.</strong> {_VERDICTS[diagnosis.verdict]}</p>",
-        *(_finding(each) for each in diagnosis.findings),
-        _unexplained(diagnosis),
-        "<h2>Before and after</h2>",
-        residual_planes(diagnosis.figures),
-        _fits(diagnosis),
-        _off(diagnosis),
-        _not_testable(diagnosis),
-    ]
-    body = "\n".join(part for part in parts if part)
-    return (
-        f"<!doctype html><html lang='en'><head><meta charset='utf-8'>"
-        f"<title>{escape(title)}</title><style>{_STYLE}</style></head><body>{body}</body></html>"
-    )
+def page(
+    diagnosis: Diagnosis, title: str, camera: CameraHeader, examined: Examination | None = None
+) -> str:
+    """Return the page of a diagnosis; without an examination, as of sums, with what it tells."""
+    seen = None if examined is None else Compared(replace(examined, diagnosis=diagnosis))
+    shown, folded = groups_of_sums(diagnosis.figures) if seen is None else groups_of(seen)
+    content: Content = {
+        "camera": f"{camera_name(camera)} · {camera_line(camera)}",
+        "verdict": diagnosis.verdict,
+        "summary": diagnosis.summary,
+        "findings": [finding_text(f) for f in diagnosis.findings],
+        "places": [f.where.text for f in diagnosis.findings],
+        "groups": [_drawn(group) for group in shown],
+        "folded": [_drawn(group) for group in folded],
+        "rest": _rest(diagnosis, seen),
+        "remarks": diagnosis.remarks,
+        "radiance": _radiance(diagnosis),
+        **_fits(diagnosis),
+        "off": [
+            (p.name, f"{p.model:.6g}", quantity(p.fitted, p.std, p.unit))
+            for p in diagnosis.model_parameters
+        ],
+        **_next(diagnosis),
+        "not_testable": [(spoken(n), why) for n, why in diagnosis.not_testable.items()],
+        "n_effects": len(departures()),
+        "mathematics": mathematics([f.effect for f in diagnosis.findings]),
+    }
+    return _rendered(title, content)
 
 
-def save_page(diagnosis: Diagnosis, path: Path, title: str) -> None:
+def save_page(
+    diagnosis: Diagnosis,
+    path: Path,
+    title: str,
+    camera: CameraHeader,
+    examined: Examination | None = None,
+) -> None:
     """Write the page to `path`, whole or not at all."""
-    partial = path.with_name(path.name + ".partial")
-    partial.write_text(page(diagnosis, title), encoding="utf-8")
-    partial.replace(path)
+    write_whole(path, page(diagnosis, title, camera, examined).encode())
 
 
-def residual_planes(figures: Figures) -> str:
-    """Return the means' residuals by block and column, before and after, as SVG."""
-    with house_style():
-        figure = new_figure(7.2, 3.2)
-        axes = figure.subplots(1, 2, sharey=True)
-        for axis, means, title in zip(
-            axes,
-            (figures.residual_means, figures.final_means),
-            ("Plain model", "With what was found"),
-            strict=True,
-        ):
-            step = max(1, means.shape[1] // _MOST_BINS)
-            usable = means.shape[1] // step * step
-            binned = means[:, :usable].reshape(len(means), -1, step).sum(axis=2) / np.sqrt(step)
-            drawn = axis.imshow(
-                binned, aspect="auto", cmap="RdBu_r", vmin=-_SPAN, vmax=_SPAN,
-                extent=(0, usable, len(means) - 0.5, -0.5), interpolation="nearest",
-            )  # fmt: skip
-            axis.set(title=title, xlabel="pixel")
-            axis.grid(visible=False)
-        axes[0].set_ylabel("block, as acquired")
-        figure.colorbar(drawn, ax=axes, label="residual / its standard deviation")
-        return as_svg(figure)
+def _rendered(title: str, content: Content) -> str:
+    text = files("calib.diagnosis.report").joinpath("page.html.j2").read_text("utf-8")
+    template = Environment(autoescape=True, undefined=StrictUndefined).from_string(text)
+    word = VERDICTS[content["verdict"]]
+    return template.render(title=title, style=page_style(), verdict_word=word, **content)
 
 
-_MOST_BINS = 64
-_SPAN = 5.0
+def _drawn(group: Group) -> Content:
+    return {"title": group.title, "caption": group.caption, "panels": _pictures(group.panels)}
 
 
-def _finding(finding: Finding) -> str:
-    names = ", ".join(f"{c.effect} {100 * c.probability:.0f} %" for c in finding.candidates)
-    rows = "".join(
-        f"<tr><td>{escape(name)}</td><td>{e.value:.4g} ± {e.std:.2g} {escape(e.unit)}</td></tr>"
-        for name, e in finding.parameters.items()
-    )
-    return (
-        f"<h2>{escape(finding.effect.name)}</h2><p>{escape(finding.effect.physics)}</p>"
-        f"<p>{escape(finding.where.text)}</p>"
-        f"<p>Seen at {finding.significance_sigma:.1f} σ. It may be: {escape(names)}. "
-        f"It explains {100 * finding.fraction_explained:.0f} % of what blocks left out missed.</p>"
-        f"<table>{rows}</table>"
-    )
+def _pictures(panels: Iterable[Panel]) -> list[tuple[bool, Markup]]:
+    """Return whether each is broad, and its SVG: our own drawing, which may stand unescaped."""
+    return [(p.size[0] > NARROW[0], Markup(p.svg())) for p in panels]  # noqa: S704
 
 
-def _unexplained(diagnosis: Diagnosis) -> str:
+def _rest(diagnosis: Diagnosis, seen: Compared | None) -> Content | None:
     rest = diagnosis.unexplained
     if rest is None:
-        return ""
-    return (
-        f"<h2>Unexplained</h2><p>{escape(rest.where.text)} "
-        f"It is {rest.significance_sigma:.1f} σ from chance.</p>"
+        return None
+    text = f"{rest.where.text} It is {rest.significance_sigma:.0f} σ from chance, without a name."
+    panels = () if seen is None else remainder_panels(seen)
+    words = () if seen is None else remainder_words(seen)
+    return {"text": text, "words": words, "panels": _pictures(panels)}
+
+
+def _radiance(diagnosis: Diagnosis) -> Content | None:
+    found = diagnosis.radiance
+    if found is None:
+        return None
+    pictures = _pictures([radiance_panel(found)] if found.touched else [])
+    return {"text": found.text, "pictures": pictures, "caption": CAPTION}
+
+
+def _fits(diagnosis: Diagnosis) -> Content:
+    both = (("plain model", diagnosis.baseline), ("with what was found", diagnosis.final))
+    rows = [(name, f"{f.heldout_deviance:.0f}", f.dof) for name, f in both]
+    gain = diagnosis.baseline.heldout_deviance - diagnosis.final.heldout_deviance
+    words = (
+        f"Lower by {gain:.0f}: what was found predicts what the fit did not see."
+        if gain > 0
+        else "Nothing was found that would predict what the fit did not see any better."
     )
+    return {"fits": rows if diagnosis.findings else rows[:1], "fits_words": words}
 
 
-def _fits(diagnosis: Diagnosis) -> str:
-    rows = "".join(
-        f"<tr><td>{name}</td><td>{fit.heldout_deviance:.1f}</td><td>{fit.dof}</td></tr>"
-        for name, fit in (("plain model", diagnosis.baseline), ("final model", diagnosis.final))
-    )
-    head = "<tr><th></th><th>deviance of blocks left out</th><th>numbers predicted</th></tr>"
-    return f"<table>{head}{rows}</table>"
+def _next(diagnosis: Diagnosis) -> Content:
+    told = diagnosis.answer()["next_measurement"]
+    no_next = {
+        "consistent": "there is nothing to decide between.",
+        "explained": "every finding has one name.",
+    }.get(diagnosis.verdict, "no plan was found that would tell more.")
+    if told is None:
+        return {"next": None, "no_next": no_next}
+    why = str(told["why"])
+    return {
+        "next": {"why": f"{why[:1].upper()}{why[1:]}.", "plan": tomli_w.dumps(told["plan"])},
+        "no_next": no_next,
+    }
 
 
-def _off(diagnosis: Diagnosis) -> str:
-    if not diagnosis.model_parameters:
-        return ""
-    rows = "".join(
-        f"<tr><td>{escape(p.name)}</td><td>{p.model:.6g}</td>"
-        f"<td>{p.fitted:.6g} ± {p.std:.2g} {escape(p.unit)}</td></tr>"
-        for p in diagnosis.model_parameters
-    )
-    head = "<tr><th></th><th>in the model</th><th>in the recording</th></tr>"
-    return f"<h2>Numbers of the model that are off</h2><table>{head}{rows}</table>"
+def save_page_of_undiagnosed(error: NotDeterminedError, path: Path, title: str) -> None:
+    """Write the page of a recording that cannot be diagnosed: why, and what to add."""
+    write_whole(path, page_of_undiagnosed(error, title).encode())
 
 
-def _not_testable(diagnosis: Diagnosis) -> str:
-    if not diagnosis.not_testable:
-        return ""
-    rows = "".join(
-        f"<tr><td>{escape(name)}</td><td>{escape(why)}</td></tr>"
-        for name, why in diagnosis.not_testable.items()
-    )
-    return f"<h2>What this plan could not have shown</h2><table>{rows}</table>"
+def page_of_undiagnosed(error: NotDeterminedError, title: str) -> str:
+    """Return that page."""
+    text = str(error)
+    content: Content = {
+        "camera": "",
+        "verdict": "undiagnosed",
+        "summary": f"This recording cannot be diagnosed: {text}{'' if text.endswith('.') else '.'}",
+        "remarks": (),
+        "findings": [], "places": [], "groups": [], "folded": [], "rest": None, "radiance": None,
+        "fits": [], "fits_words": "", "off": [], "next": None,
+        "no_next": "record the blocks that are named above, and diagnose again.",
+        "not_testable": [], "n_effects": len(departures()), "mathematics": mathematics([]),
+    }  # fmt: skip
+    return _rendered(title, content)

@@ -12,7 +12,6 @@ BEFORE, AFTER, RECORDED = ORANGE, BLUE, INK
 """Colours, the same in every panel: plain model, with what was found, as recorded."""
 QUIET = GREY
 NARROW = (3.6, 2.55)
-WIDE = (7.4, 3.0)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ photon_transfer` decides: a bent response bends means and variances together, ch
 bends variances alone. All else needs the frames.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -30,6 +30,7 @@ from calib.diagnosis.remainder import CERTAIN_SIGMA
 from calib.diagnosis.sums import words
 from calib.diagnosis.sums.names import EFFECTS, departure, names_of, parameters
 from calib.diagnosis.sums.prediction import Predicted, held_out, left_out, saturated
+from calib.diagnosis.words.verdict import first_sentence
 from calib.recording.folder_recording import FolderRecording
 from calib.recording.header import RecordingHeader
 from calib.transfer.photon_transfer.curve_fit import CurveFit, Model
@@ -87,6 +88,7 @@ def diagnose_sums(recording: FolderRecording) -> SumsExamination:
         asked.figures(final),
         remarks=(*words.remarks(tap, final), *measured.warnings),
     )
+    diagnosis = replace(diagnosis, summary=first_sentence(diagnosis))
     return SumsExamination(recording.header, measured, final, diagnosis)
 
 

@@ -14,6 +14,8 @@ from calib.report.rounded import number, percent, printed_unit
 
 DIGITS = 1
 """Of an uncertainty, as far as a sentence goes; tables give two."""
+SURE = 0.01
+"""Nor does a sentence give more digits than this relative uncertainty asks for."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ class Telling:
 
     def _std(self, name: str) -> float:
         found = self.estimates.get(name)
-        return found.std if found is not None else math.nan
+        return math.nan if found is None else max(found.std, SURE * abs(found.value))
 
     def _with_unit(self, text: str, unit: str) -> str:
         printed = printed_unit(unit)

@@ -27,7 +27,11 @@ def diagnose(
 ) -> None:
     """Say what a recording shows that the plain model lacks: where, what, and how much."""
     with answering(json) as answer:
-        from calib.diagnosis.report.page import save_page  # noqa: PLC0415
+        from calib.diagnosis.report.page import (  # noqa: PLC0415
+            save_page,
+            save_page_of_undiagnosed,
+        )
+        from calib.errors import NotDeterminedError  # noqa: PLC0415
         from calib.forward.model import Model  # noqa: PLC0415
         from calib.recording.durable import refuse_existing  # noqa: PLC0415
         from calib.recording.open import open_recording  # noqa: PLC0415
@@ -38,41 +42,50 @@ def diagnose(
             refuse_existing(model_out)
         check_report(report)
         given = None if model is None else Model.named(model)
-        opened = open_recording(recording)
+        opened, title = open_recording(recording), f"Diagnosis of {recording.name}"
         with about(recording), progress("Diagnosing") as tell:
-            diagnosis, amended = _examined(opened, given, share_of(tell))
+            try:
+                diagnosis, examined, amended = _examined(opened, given, share_of(tell))
+            except NotDeterminedError as error:
+                if report is not None:
+                    save_page_of_undiagnosed(error, report, title)
+                raise
             if model_out is not None:
                 amended().save(model_out)
             if report is not None:
-                save_page(diagnosis, report, f"Diagnosis of {recording.name}")
+                save_page(diagnosis, report, title, opened.header.camera, examined)
         told = diagnosis.answer()
         answer.give(told, lambda console: _show(console, told))
 
 
-def _examined(opened: Any, given: Any, tell: Callable[[float], None]) -> tuple[Any, Any]:
-    """Return the diagnosis, and what makes the amended model; sums have a way of their own."""
+def _examined(opened: Any, given: Any, tell: Callable[[float], None]) -> tuple[Any, Any, Any]:
+    """Return the diagnosis, what it rests on, and what makes the amended model.
+
+    Sums have a way of their own, and nothing of the second.
+    """
     from calib.diagnosis import amended, diagnose  # noqa: PLC0415
     from calib.diagnosis.sums import amended as amended_by_sums  # noqa: PLC0415
     from calib.diagnosis.sums.diagnose import diagnose_sums  # noqa: PLC0415
 
     if getattr(opened, "statistics", ()):
         sums = diagnose_sums(opened)
-        return sums.diagnosis, partial(amended_by_sums.amended_model, sums, given)
+        return sums.diagnosis, None, partial(amended_by_sums.amended_model, sums, given)
     found = diagnose.diagnose(opened, given, progress=tell)
     source = opened.header.source
-    return found.diagnosis, partial(
-        amended.amended_model, found.model, found.evidence, source, given
-    )
+    model = partial(amended.amended_model, found.model, found.evidence, source, given)
+    return found.diagnosis, found, model
 
 
 def _show(console: Any, told: dict[str, Any]) -> None:
     """Print what a person asks first."""
     console.print(f"Verdict: {told['verdict']}")
+    console.print(told["summary"])
     for finding in told["findings"]:
         others = [c["effect"] for c in finding["candidates"][1:]]
         beside = f" (or {', '.join(others)})" if others else ""
         console.print(f"{finding['effect']}{beside}: {finding['significance_sigma']:.1f} sigma")
-        console.print(f"  {finding['physics']}")
+        sentence = finding["sentence"] or finding["physics"]
+        console.print(f"  {sentence} {finding['hid_as']['text']}".rstrip())
         console.print(f"  {finding['where']['text']}")
         for name, each in finding["parameters"].items():
             console.print(f"  {name} = {each['value']:.4g} +- {each['std']:.2g} {each['unit']}")
