@@ -1,7 +1,9 @@
 """Direct least squares on the harmonics: all pixels and positions, and the bench's errors, at once.
 
 Gauss-Newton on the amplitudes of all harmonics, scale, tilt, and each frame's position and light;
-then one step of generalised least squares with each pixel's gain and offset as random effects.
+then generalised least squares with each pixel's gain and offset as random effects, whose variances
+are found anew after each step: the plain fit takes a part of them for the pattern's, the more the
+fewer pixels there are to an unknown.
 """
 
 from dataclasses import dataclass, replace
@@ -17,7 +19,7 @@ from calib.mtf.estimation.normal_solver import NormalSolver
 from calib.mtf.estimation.pixel_effects import PixelEffects, pixel_effects
 from calib.mtf.estimation.sandwich import lower_square, sandwich, scores_by_rows, whole
 from calib.mtf.estimation.slopes import Slopes
-from calib.mtf.estimation.state import State
+from calib.mtf.estimation.state import State, Unknowns
 from calib.mtf.geometry import Alignment
 from calib.mtf.harmonic_sums import Frames
 from calib.mtf.scan_images import ScanImages
@@ -51,8 +53,7 @@ def joint_fit(scan: ScanImages, start: Alignment) -> HarmonicFit:
     good = plausible & good_pixels(at.residual, at.slopes.model)
     if (good != plausible).any():
         at = _settle(scan, at.slopes.state, good)
-    effects = pixel_effects(at.residual, at.slopes.model, good)
-    return _generalised(scan, at, effects)
+    return _generalised(scan, at)
 
 
 def _start(scan: ScanImages, start: Alignment, good: NDArray[np.bool_]) -> State:
@@ -77,14 +78,12 @@ def _settle(scan: ScanImages, state: State, good: NDArray[np.bool_]) -> _At:
         normal = normal_matrix(state)
         solved = NormalSolver.of(_amplitudes_first(normal, state, first=number == 0), state)
         step = solved.solve(slopes.total(residual))
-        variance = (residual**2).mean() + np.finfo(float).eps * state.amplitude[0].real ** 2
-        if number and step @ normal @ step < _SETTLED**2 * variance * len(step):
+        if number and _is_settled(step, normal, residual, state):
             return _At(slopes, residual, good)
         if number == 0:
             step[state.layout.scale :] = 0
         state = state.moved(step)
-    msg = "the pattern's position does not settle: check pitch_um, period_um, m and n"
-    raise NotDeterminedError(msg, code="no-convergence")
+    raise _does_not_settle()
 
 
 def _amplitudes_first(normal: Normal, state: State, *, first: bool) -> Normal:
@@ -104,27 +103,38 @@ def _residual(scan: ScanImages, slopes: Slopes, good: NDArray[np.bool_]) -> Fram
     return residual
 
 
-def _generalised(scan: ScanImages, at: _At, effects: PixelEffects) -> HarmonicFit:
-    """Take the generalised step and attach the covariance."""
-    normal = normal_matrix(at.slopes.state)
-    residual, solved = at.residual, None
-    if effects.are_seen:
-        normal = normal - _taken_out(at, effects)
-        residual = effects.whitened(residual, at.slopes.model)
-        residual[:, ~at.good] = 0
+def _generalised(scan: ScanImages, at: _At) -> HarmonicFit:
+    """Take generalised steps until they no longer matter, and attach the covariance."""
+    for _ in range(_MOST_STEPS):
+        model = at.slopes.model
+        effects = pixel_effects(at.residual, model, at.good)
+        normal, residual = normal_matrix(at.slopes.state), at.residual
+        if effects.are_seen:
+            normal = normal - _taken_out(at, effects)
+            residual = effects.whitened(residual, model)
+            residual[:, ~at.good] = 0
         solved = NormalSolver.of(normal, at.slopes.state)
-        moved = at.slopes.state.moved(solved.solve(at.slopes.total(residual)))
-        slopes = Slopes(moved)
+        step = solved.solve(at.slopes.total(residual))
+        if not effects.are_seen or _is_settled(step, normal, residual, at.slopes.state):
+            covariance = sandwich(at.slopes, residual, normal, solved)
+            gain, offset = effects.of(at.residual, model)
+            return HarmonicFit(
+                at.slopes.state, covariance, residual, effects.noise, gain, offset,
+                effects.gain_std, at.good,
+            )  # fmt: skip
+        slopes = Slopes(at.slopes.state.moved(step))
         at = _At(slopes, _residual(scan, slopes, at.good), at.good)
-        residual = effects.whitened(at.residual, at.slopes.model)
-        residual[:, ~at.good] = 0
-    solved = solved or NormalSolver.of(normal, at.slopes.state)
-    covariance = sandwich(at.slopes, residual, normal, solved)
-    gain, offset = effects.of(at.residual, at.slopes.model)
-    return HarmonicFit(
-        at.slopes.state, covariance, residual, effects.noise, gain, offset, effects.gain_std,
-        at.good,
-    )  # fmt: skip
+    raise _does_not_settle()
+
+
+def _is_settled(step: Unknowns, normal: Normal, residual: Frames, state: State) -> bool:
+    variance = (residual**2).mean() + np.finfo(float).eps * state.amplitude[0].real ** 2
+    return bool(step @ normal @ step < _SETTLED**2 * variance * len(step))
+
+
+def _does_not_settle() -> NotDeterminedError:
+    msg = "the pattern's position does not settle: check pitch_um, period_um, m and n"
+    return NotDeterminedError(msg, code="no-convergence")
 
 
 def _taken_out(at: _At, effects: PixelEffects) -> Normal:

@@ -20,6 +20,7 @@ from tests.calib.mtf.simulated import (
     PAPER,
     QUIET,
     Case,
+    Scores,
     misaligned,
     record,
 )
@@ -40,7 +41,7 @@ def z_scores(case: Case, found: Measurement) -> np.ndarray:
 
 
 def shift_z(case: Case, found: Measurement) -> np.ndarray:
-    away = ORDERS_24.harmonics.shortest(found.shift_um - case.shift_um(found.fit))
+    away = found.grating.harmonics.shortest(found.shift_um - case.shift_um(found.fit))
     return away / np.sqrt(np.diag(found.shift_covariance))
 
 
@@ -156,6 +157,26 @@ def test_the_shift_s_uncertainty_holds_over_many_recordings() -> None:
     assert np.abs(z.mean(axis=0) * np.sqrt(len(z)) / z.std(axis=0)).max() < 4.5
     # The centroid holds what lies between harmonics, for which one pixel is no draw from the prior.
     assert 0.5 < (z**2).mean() < 1 + 4.5 * np.sqrt(1 / len(z))
+
+
+@pytest.mark.soak
+def test_with_48_orders_and_two_pixels_to_an_unknown_everything_scatters_as_stated() -> None:
+    rng, harmonics, shifts = default_rng(), Scores(), []
+    for _ in range(48):
+        case = record(
+            rng, (64, 72), grating=ORDERS_48, response=PIXEL, alignment=misaligned(rng),
+            detector=UNEVEN,
+        )  # fmt: skip
+        found = measure(case.scan)
+        error = found.fit.transfer - case.transfer(found.fit)
+        std = np.sqrt(np.diag(found.fit.transfer_covariance))
+        harmonics.add(np.concatenate([error.real, error.imag]) / std)
+        shifts.append(shift_z(case, found))
+    harmonics.check("harmonics")
+    z = np.array(shifts)
+    standard_error = np.sqrt(2 / len(z))
+    assert (np.abs((z**2).mean(axis=0) - 1) < 4.5 * standard_error).all()
+    assert (np.abs(z.mean(axis=0)) < 4.5 / np.sqrt(len(z))).all()
 
 
 @pytest.mark.soak
