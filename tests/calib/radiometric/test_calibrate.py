@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from calib.errors import DarkflatError, InputError, NotDeterminedError
-from calib.forward.model import Model
 from calib.radiometric.calibrate import calibrate
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.coefficients.provenance import Provenance
@@ -17,40 +16,9 @@ from calib.recording.header import Block
 from calib.recording.open import open_recording
 from tests.calib.radiometric.in_memory import InMemory, agcam_plan, record
 from tests.calib.radiometric.simulated import Bench, draw
+from tests.calib.radiometric.small_camera import small_camera
 
-MODEL = Model.loads(
-    """
-    [camera]
-    serial = "B0001"
-    columns = 256
-    bit_depth = 12
-    line_period_us = 1400.0
-    band = "NIR"
-    [source]
-    kind = "sphere"
-    lamps = 6
-    radiance_unit = "W m-2 sr-1"
-    [effects.illumination]
-    radiance = [10.0, 10.0, 10.0, 10.0, 10.0, 10.0]
-    [effects.vignette]
-    axis_column = 137.0
-    coefficients = [-0.3, 0.0, -0.1]
-    [effects.responsivity]
-    electrons_per_radiance_us = 9.0
-    prnu_std = 0.02
-    [effects.shot_noise]
-    [effects.full_well]
-    electrons = 100000.0
-    [effects.read_noise]
-    std_e = 20.0
-    [effects.system_gain]
-    dn_per_e = 0.05
-    [effects.offset]
-    mean_dn = 40.0
-    [effects.adc]
-    bit_depth = 12
-    """
-)
+MODEL = small_camera(256, axis_column=137.0)
 LINES = 64
 
 

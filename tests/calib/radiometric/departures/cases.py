@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 
 import numpy as np
 from numpy.random import Generator
@@ -18,6 +17,7 @@ from calib.radiometric.correction.apply_options import ApplyOptions
 from calib.radiometric.correction.blocks_to_correct import corrections_by_block
 from calib.recording.header import Block, RecordingHeader
 from tests.calib.radiometric.in_memory import InMemory, agcam_plan, record
+from tests.calib.radiometric.small_camera import small_camera
 
 COLUMNS = 128
 LINES = 64
@@ -26,42 +26,7 @@ TEMPERATURES_C = (25.0, 27.0, 24.0, 29.0, 26.0, 28.0)
 SCENES = ((100.0, 25.0), (200.0, 29.0))
 """Exposure, µs, and sensor temperature, °C."""
 
-MODEL = Model.loads(
-    f"""
-    [camera]
-    serial = "B0001"
-    columns = {COLUMNS}
-    bit_depth = 12
-    taps = 2
-    tap_layout = "odd_even"
-    line_period_us = 1400.0
-    band = "NIR"
-    started_at = {datetime(2026, 11, 1, tzinfo=UTC).isoformat()}
-    [source]
-    kind = "sphere"
-    lamps = 6
-    radiance_unit = "W m-2 sr-1"
-    certificate_relative_std = 0.0
-    level_relative_std = 0.0
-    [effects.illumination]
-    radiance = [10.0, 10.0, 10.0, 10.0, 10.0, 10.0]
-    [effects.vignette]
-    axis_column = 70.0
-    coefficients = [-0.3, 0.0, -0.1]
-    [effects.responsivity]
-    electrons_per_radiance_us = 9.0
-    prnu_std = 0.02
-    [effects.shot_noise]
-    [effects.read_noise]
-    std_e = 20.0
-    [effects.system_gain]
-    dn_per_e = 0.05
-    [effects.offset]
-    mean_dn = 40.0
-    [effects.adc]
-    bit_depth = 12
-    """
-)
+MODEL = small_camera(COLUMNS, axis_column=70.0)
 
 
 @dataclass(frozen=True)
