@@ -14,7 +14,7 @@ from calib.diagnosis.common_noise import CommonNoise
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.mean_space import MeanSpace, mean_space
 from calib.diagnosis.monitor import MonitorReadings, readings_of
-from calib.diagnosis.nuisance import regressors
+from calib.diagnosis.nuisance import regressors, scene_blocks
 from calib.diagnosis.point import Point
 from calib.diagnosis.pooled import (
     KINDS,
@@ -127,6 +127,8 @@ class Evidence:
     def pooled_std(self) -> Floats:
         """Standard deviations of the pooled statistics, (n_blocks, n_pooled); inf: not used."""
         std = np.stack([std.vector() for _, std in self.expected])
+        # The noise of pixels side by side in bright and dark parts has no common level.
+        std[scene_blocks(self.table)] = np.inf
         if self.kept is not None:
             std[~self.kept] = np.inf
         return std

@@ -98,6 +98,6 @@ def light_change(effects: Sequence[Departure], table: ConditionsTable) -> Column
         at = table.at(b, np.array([0.0, table.n_lines[b]]))
         light: NDArray[np.float64] = np.ones((2, 1))
         for effect in of_source:
-            light = effect.apply(light, at, _UNUSED)
+            light = np.asarray(effect.apply(light, at, _UNUSED), np.float64)
         found[b] = float(np.log(np.maximum(light.mean(), 1e-9)))
     return found

@@ -1,11 +1,10 @@
 """Which blocks of a recording have light that is known, pixel by pixel."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
 from calib.arrays import Columns
-from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.recording.header import Block, RecordingHeader
 from calib.recording.protocol import Recording
 
@@ -20,15 +19,6 @@ def steady_images(recording: Recording) -> Mapping[str, Columns]:
     return {name: image[0] for name, image in lines.items() if (image == image[0]).all()}
 
 
-def with_known_light(
-    header: RecordingHeader, sums: Sequence[BlockSums], images: Mapping[str, Columns]
-) -> tuple[RecordingHeader, tuple[BlockSums, ...]]:
-    """Return the header and sums without scenes of which no steady image is there."""
-    kept = [_is_known(block, header, images) for block in header.blocks]
-    blocks = tuple(b for b, known in zip(header.blocks, kept, strict=True) if known)
-    left = tuple(each for each, known in zip(sums, kept, strict=True) if known)
-    return header.model_copy(update={"blocks": blocks}), left
-
-
-def _is_known(block: Block, header: RecordingHeader, images: Mapping[str, Columns]) -> bool:
+def has_known_light(block: Block, header: RecordingHeader, images: Mapping[str, Columns]) -> bool:
+    """Return whether a block's light is uniform, or that of an image."""
     return block.kind != "scene" or (block.scene in images and header.camera.rows is None)

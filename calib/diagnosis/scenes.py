@@ -17,6 +17,7 @@ from calib.arrays import Columns
 from calib.diagnosis.baseline import Baseline, fit_baseline
 from calib.diagnosis.conditions_table import ConditionsTable, conditions_table
 from calib.diagnosis.joint import Joint
+from calib.diagnosis.scene_light import has_known_light
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.recording.header import Block
@@ -44,7 +45,7 @@ def with_steady_light(
         images: Radiance along the columns of scenes where it is known, by name.
     """
     blocks = whole.header.blocks
-    uniform = [b for b, block in enumerate(blocks) if _is_known(block, whole, images)]
+    uniform = [b for b, block in enumerate(blocks) if has_known_light(block, whole.header, images)]
     known = _light(whole, sums, uniform, images)
     found: dict[str, Columns] = {}
     if len(uniform) < len(blocks) and whole.header.camera.rows is None:
@@ -58,10 +59,6 @@ def with_steady_light(
         return known
     kept = [b for b, block in enumerate(blocks) if b in uniform or block.scene in found]
     return _light(whole, sums, kept, {**images, **found}, frozenset(found))
-
-
-def _is_known(block: Block, whole: Joint, images: Mapping[str, Columns]) -> bool:
-    return block.kind != "scene" or (block.scene in images and whole.header.camera.rows is None)
 
 
 def _light(
@@ -81,9 +78,7 @@ def _light(
     return SteadyLight(left, table)
 
 
-def _radiance(
-    sums: Sequence[BlockSums], blocks: Sequence[Block], base: Baseline
-) -> Columns | None:
+def _radiance(sums: Sequence[BlockSums], blocks: Sequence[Block], base: Baseline) -> Columns | None:
     """Return what radiance a scene shows, (n_columns,); None at one exposure, or if it moves."""
     if len({block.exposure_us for block in blocks}) < 2 or (base.slope <= 0).any():
         return None
@@ -94,7 +89,9 @@ def _radiance(
     radiance = np.maximum(above / (base.slope * exposed), 0.0)
     for each, block in zip(sums, blocks, strict=True):
         signal = base.slope * radiance * block.exposure_us
-        expected = float(np.mean(base.read_variance_dn2) + base.gain_dn_per_e.mean() * signal.mean())
+        expected = float(
+            np.mean(base.read_variance_dn2) + base.gain_dn_per_e.mean() * signal.mean()
+        )
         if float(each.products.squares.mean()) / max(each.n_lines - 1, 1) > STEADY * expected:
             return None
     return np.asarray(radiance.ravel())

@@ -14,6 +14,7 @@ from calib.diagnosis.deciding.separation import separation
 from calib.diagnosis.deciding.testable import made_testable
 from calib.diagnosis.diagnose import Examination
 from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.joint import Joint
 from calib.recording.header import RecordingHeader
 
 ENOUGH_SIGMA = 5.0
@@ -102,12 +103,13 @@ def chosen(judged: tuple[Judged, ...], wanted_sigma: float) -> Judged:
     return best
 
 
-def decided(
-    examined: Examination, header: RecordingHeader, bench: BenchTime | None = None
-) -> Examination:
-    """Return the examination with the next measurement in its answer."""
-    following = next_measurement(examined, header, bench)
-    return replace(examined, diagnosis=replace(examined.diagnosis, next_measurement=following))
+def decided(examined: Examination, whole: Joint, bench: BenchTime | None = None) -> Examination:
+    """Return the examination with the next measurement, and what is taken for common, told."""
+    following = next_measurement(examined, whole.header, bench)
+    diagnosis = replace(examined.diagnosis, next_measurement=following)
+    if whole.note:
+        diagnosis = replace(diagnosis, remarks=(*diagnosis.remarks, whole.note))
+    return replace(examined, diagnosis=diagnosis)
 
 
 def _period_s(evidence: Evidence) -> float:

@@ -1,12 +1,12 @@
 """What a finding could also be: each of its names fitted to the recording in its place."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
+from calib.diagnosis.contest import Contest, contribution
 from calib.diagnosis.diagnose import Examination, responder_of
 from calib.diagnosis.findings import AMBIGUOUS, Finding
-from calib.diagnosis.judgement import contribution
 from calib.diagnosis.model import Member
-from calib.diagnosis.search import added, scores
+from calib.diagnosis.scores import scores
 from calib.diagnosis.signatures import retaken
 from calib.forward.departure import Departure
 from calib.forward.parameter import parameters_of
@@ -42,37 +42,33 @@ def is_open(finding: Finding) -> bool:
 
 def rivals_of(finding: Finding, examined: Examination) -> Rivals:
     """Return the names of a finding whose probability counts, each fitted in its place."""
-    model = examined.model
-    name = finding.effect.name
-    own = next(m for m in model.members if m.effect.name == name)
-    others = tuple(m for m in model.members if m.effect.name != name)
+    members = examined.model.members
+    k = next(k for k, m in enumerate(members) if m.effect.name == finding.effect.name)
     wanted = [c.effect for c in finding.candidates if c.probability >= AMBIGUOUS]
-    fitted = [_fitted(each, own, others, examined) for each in wanted]
-    if name not in wanted:
-        fitted.append(own)
+    wanted += [name for name in (finding.effect.name,) if name not in wanted]
+    fitted = [_fitted(name, k, examined) for name in wanted]
+    others = tuple(m for j, m in enumerate(members) if j != k)
     return Rivals(tuple(member for member in fitted if member is not None), others)
 
 
-def _fitted(
-    name: str, own: Member, others: tuple[Member, ...], examined: Examination
-) -> Member | None:
-    """Return the effect of that name fitted in place of `own`; None where it has no part in it."""
+def _fitted(name: str, k: int, examined: Examination) -> Member | None:
+    """Return the effect of that name in the place of member `k`; None where it takes no part."""
+    evidence, model = examined.evidence, examined.model
+    own = model.members[k]
     if name == own.effect.name and _time_is_known(own):
         return own
-    evidence, model = examined.evidence, examined.model
-    responder = responder_of(evidence)
+    contest = Contest(examined.signatures, evidence, responder_of(evidence))
     residual = model.residual + contribution(own)
-    directions = [d for m in others for d in m.directions]
+    directions = [d for j, m in enumerate(model.members) if j != k for d in m.directions]
     shapes = [s for s in examined.signatures if s.shape.name == name]
     ranked = scores(shapes, residual, directions, evidence)[:SHAPES]
-    sharper = [retaken(s.signature, s.amplitude, evidence, responder) for s in ranked]
+    sharper = [retaken(s.signature, s.amplitude, evidence, contest.responder) for s in ranked]
     again = scores(sharper, residual, directions, evidence)
     if not again or again[0].gain <= 0:
         return None
     as_good = [score for score in again if score.gain > again[0].gain - AS_GOOD]
     longest = max(as_good, key=lambda score: _times_s(score.signature.shape.template))
-    alone = replace(model, members=others, residual=residual)
-    return added(alone, longest, evidence, responder).members[-1]
+    return contest.placed(model, k, longest).members[k]
 
 
 def _time_is_known(member: Member) -> bool:

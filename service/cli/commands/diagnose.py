@@ -13,7 +13,10 @@ from service.cli.progress import progress, share_of
 
 
 def diagnose(
-    recording: Annotated[Path, path_argument(metavar="REC", help="An .h5 or a recording folder")],
+    recordings: Annotated[
+        list[Path],
+        path_argument(metavar="REC...", help="An .h5 or a recording folder; several of one bench"),
+    ],
     *,
     model: Annotated[
         str | None, typer.Option(metavar="MODEL.toml", help="What it should be; or a preset's name")
@@ -25,7 +28,7 @@ def diagnose(
     ] = None,
     json: Json = None,
 ) -> None:
-    """Say what a recording shows that the plain model lacks: where, what, and how much."""
+    """Say what recordings show that the plain model lacks: where, what, and how much."""
     with answering(json) as answer:
         from calib.diagnosis.report.page import (  # noqa: PLC0415
             save_page,
@@ -42,8 +45,9 @@ def diagnose(
             refuse_existing(model_out)
         check_report(report)
         given = None if model is None else Model.named(model)
-        opened, title = open_recording(recording), f"Diagnosis of {recording.name}"
-        with about(recording), progress("Diagnosing") as tell:
+        opened = [open_recording(path) for path in recordings]
+        title = f"Diagnosis of {' and '.join(path.name for path in recordings)}"
+        with about(recordings[0]), progress("Diagnosing") as tell:
             try:
                 diagnosis, examined, amended = _examined(opened, given, share_of(tell))
             except NotDeterminedError as error:
@@ -53,30 +57,35 @@ def diagnose(
             if model_out is not None:
                 amended().save(model_out)
             if report is not None:
-                save_page(diagnosis, report, title, opened.header.camera, examined)
+                save_page(diagnosis, report, title, opened[0].header.camera, examined)
         told = diagnosis.answer()
-        answer.give(told, lambda console: _show(console, told))
+        answer.give(told, lambda console: show_diagnosis(console, told))
 
 
-def _examined(opened: Any, given: Any, tell: Callable[[float], None]) -> tuple[Any, Any, Any]:
+def _examined(
+    opened: list[Any], given: Any, tell: Callable[[float], None]
+) -> tuple[Any, Any, Any]:
     """Return the diagnosis, what it rests on, and what makes the amended model.
 
     Sums have a way of their own, and nothing of the second.
     """
     from calib.diagnosis import amended, diagnose  # noqa: PLC0415
+    from calib.diagnosis.deciding.decide import decided  # noqa: PLC0415
+    from calib.diagnosis.joint import joint  # noqa: PLC0415
     from calib.diagnosis.sums import amended as amended_by_sums  # noqa: PLC0415
     from calib.diagnosis.sums.diagnose import diagnose_sums  # noqa: PLC0415
 
-    if getattr(opened, "statistics", ()):
-        sums = diagnose_sums(opened)
+    if len(opened) == 1 and getattr(opened[0], "statistics", None):
+        sums = diagnose_sums(opened[0])
         return sums.diagnosis, None, partial(amended_by_sums.amended_model, sums, given)
-    found = diagnose.diagnose(opened, given, progress=tell)
-    source = opened.header.source
+    whole = joint([each.header for each in opened])
+    found = decided(diagnose.diagnose(opened, given, progress=tell), whole)
+    source = whole.header.source
     model = partial(amended.amended_model, found.model, found.evidence, source, given)
     return found.diagnosis, found, model
 
 
-def _show(console: Any, told: dict[str, Any]) -> None:
+def show_diagnosis(console: Any, told: dict[str, Any]) -> None:
     """Print what a person asks first."""
     console.print(f"Verdict: {told['verdict']}")
     console.print(told["summary"])
@@ -98,3 +107,10 @@ def _show(console: Any, told: dict[str, Any]) -> None:
         )
     for remark in told["remarks"]:
         console.print(remark)
+    following = told["next_measurement"]
+    if following is not None and following["expected_sigma"] is not None:
+        console.print(
+            f"Next: it {following['why']}, by {following['expected_sigma']:.1f} sigma, in "
+            f"{following['seconds']:.0f} s; --json has its plan",
+            markup=False,
+        )

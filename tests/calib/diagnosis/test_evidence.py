@@ -6,7 +6,7 @@ from numpy.random import default_rng
 
 from calib.arrays import Columns
 from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.scene_light import steady_images, with_known_light
+from calib.diagnosis.scene_light import has_known_light, steady_images
 from calib.forward.model import Model
 from calib.recording.header import Block, CameraHeader, RecordingHeader
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
@@ -86,12 +86,10 @@ def test_a_scene_whose_lines_differ_or_that_nobody_knows_is_left_out() -> None:
             Block(block="2", kind="scene", exposure_us=9.0, level=0.0, scene="unknown"),
         ),
     )
-    sums = [SimpleNamespace(n=k) for k in range(3)]
     recording = SimpleNamespace(
         scenes={"bars": np.ones(3), "unknown": np.arange(6.0).reshape(2, 3)}
     )
     images = steady_images(recording)
     assert set(images) == {"bars"}
-    left, kept = with_known_light(header, sums, images)
-    assert [block.block for block in left.blocks] == ["0", "1"]
-    assert [each.n for each in kept] == [0, 1]
+    known = [has_known_light(block, header, images) for block in header.blocks]
+    assert known == [True, True, False]
