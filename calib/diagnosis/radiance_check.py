@@ -32,6 +32,7 @@ def radiance_error(model: Model, evidence: Evidence) -> RadianceError | None:
         (_contribution(m) for m in model.members if m.effect.stage == Stage.SOURCE),
         np.zeros_like(change.means),
     )
+    means = _beside_a_fit(means, evidence)
     signal = (base.slope * base.dose).reshape(means.shape)
     level = np.median(signal, axis=1)
     scenes = np.array([block.kind == "scene" for block in evidence.table.blocks])
@@ -64,12 +65,16 @@ def _contribution(member: Member) -> Floats:
 
 def _left_unsure(model: Model, evidence: Evidence) -> Floats:
     """Return by how much the means are unsure, DN, with what pixels absorb fitted anew."""
-    weight = evidence.space.weight
-    total = np.zeros_like(weight)
+    total = np.zeros_like(evidence.space.weight)
     for member in model.members:
         # A shape without a strength has no uncertainty of it.
         first = 1 if member.signature.shape.fixed else 0
         for change, std in zip(member.changes[first:], member.std[first:], strict=True):
-            white = evidence.space.project(change.means) * std
-            total += np.divide(white, weight, out=np.zeros_like(white), where=weight > 0) ** 2
+            total += (_beside_a_fit(change.means, evidence) * std) ** 2
     return np.sqrt(total)
+
+
+def _beside_a_fit(means: Floats, evidence: Evidence) -> Floats:
+    """Return what of means, DN, a plain fit's offsets and slopes do not take for their own."""
+    white, weight = evidence.space.project(means), evidence.space.weight
+    return np.divide(white, weight, out=np.zeros_like(white), where=weight > 0)

@@ -62,9 +62,7 @@ def diagnose(
         answer.give(told, lambda console: show_diagnosis(console, told))
 
 
-def _examined(
-    opened: list[Any], given: Any, tell: Callable[[float], None]
-) -> tuple[Any, Any, Any]:
+def _examined(opened: list[Any], given: Any, tell: Callable[[float], None]) -> tuple[Any, Any, Any]:
     """Return the diagnosis, what it rests on, and what makes the amended model.
 
     Sums have a way of their own, and nothing of the second.

@@ -170,11 +170,11 @@ def test_the_radiance_by_the_plain_calibration_is_off_as_a_bent_response_makes_i
     assert error is not None
     base, truth = evidence.baseline, small_model().truth()
     weight = evidence.n / base.variance_dn2.mean(axis=(1, 2))
-    slope = truth.responsivity * truth.vignette
-    signal = base.dose[:, None] * slope[None, :]
+    slope, dose = truth.responsivity * truth.vignette, base.dose[:, 0, 0]
+    signal = dose[:, None] * slope[None, :]
     bent = signal * (1.0 - BENT * signal)
-    line = np.polynomial.polynomial.polyfit(base.dose, bent, 1, w=np.sqrt(weight))
-    plain = (bent - line[0]) / (line[1] * base.dose.clip(1e-9)[:, None]) - 1.0
+    line = np.polynomial.polynomial.polyfit(dose, bent, 1, w=np.sqrt(weight))
+    plain = (bent - line[0]) / (line[1] * dose.clip(1e-9)[:, None]) - 1.0
     expected = {n: float(np.median(e)) for n, e in zip(evidence.table.names, plain, strict=True)}
     for name, value, left in zip(error.blocks, error.error, error.left_std, strict=True):
         # What a fit of this recording leaves of DN0 and slope, and of the strength.
