@@ -8,7 +8,6 @@ effects of codes: rounding would hide small changes of a single sample.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 from zlib import crc32
 
 import numpy as np
@@ -124,16 +123,19 @@ class FittedChain:
 
     def _remembered(self, effects: tuple[Effect, ...]) -> list[tuple[Remembering, Floats]]:
         """Return effects that remember and what each block brings them, (n_blocks, *sample)."""
-        if self._last[:1] != [effects]:
-            middles = [(b, np.array([(n - 1) / 2])) for b, n in enumerate(self.table.n_lines)]
-            stack, chain = self.stack(middles, "middle"), self._chain(effects)
-            found = [
-                (x, self.run(stack, without_noise(chain[:k]), 0, noise=0.0))
-                for k, x in enumerate(chain)
-                if isinstance(x, Remembering)
-            ]
-            self._last[:] = [effects, found]
-        return list(self._last[1])
+        known = self._memory.get(effects)
+        if known is not None:
+            return known
+        middles = [(b, np.array([(n - 1) / 2])) for b, n in enumerate(self.table.n_lines)]
+        stack, chain = self.stack(middles, "middle"), self._chain(effects)
+        found = [
+            (x, self.run(stack, without_noise(chain[:k]), 0, noise=0.0))
+            for k, x in enumerate(chain)
+            if isinstance(x, Remembering)
+        ]
+        self._memory.clear()
+        self._memory[effects] = found
+        return found
 
     def stack(self, lines: Sequence[tuple[int, Columns]], key: str) -> Stack:
         """Return the stack of (block, lines counted from the block's first); one for each key."""
@@ -304,5 +306,5 @@ class FittedChain:
         return {}
 
     @cached_property
-    def _last(self) -> list[Any]:
-        return []
+    def _memory(self) -> dict[tuple[Effect, ...], list[tuple[Remembering, Floats]]]:
+        return {}

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calib.diagnosis.all_signatures import all_signatures
 from calib.diagnosis.chain_run import FittedChain
 from calib.diagnosis.contest import Contest, contribution
 from calib.diagnosis.estimate import Estimate
@@ -34,7 +35,7 @@ from calib.diagnosis.scenes import with_steady_light
 from calib.diagnosis.search import find
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.shapes import Scales, departures, shapes_of
-from calib.diagnosis.signatures import Signature, signature
+from calib.diagnosis.signatures import Signature
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.gather import gather
 from calib.diagnosis.words.in_words import in_words
@@ -189,15 +190,8 @@ def signatures_of(
     """Return the signatures of all effects that this recording could show."""
     scales, lacking = scales_of(evidence, responder), not_testable(evidence)
     kinds = [kind for kind in departures() if kind.name not in lacking]
-    shapes = [shape for kind in kinds for shape in shapes_of(kind, scales)]
-    found: list[Signature] = []
-    for n, shape in enumerate(shapes):
-        # Shapes of one effect are about as strong as each other.
-        start = found[-1].strength if found and found[-1].shape.name == shape.name else 1.0
-        one = signature(shape, evidence, responder, start)
-        found += [] if one is None else [one]
-        progress((n + 1) / len(shapes))
-    return tuple(found)
+    shapes = [shapes_of(kind, scales) for kind in kinds]
+    return all_signatures(shapes, evidence, responder, progress)
 
 
 def _findings(model: Model, contest: Contest, heldout: HeldOutDeviances) -> tuple[Finding, ...]:
