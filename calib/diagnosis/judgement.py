@@ -31,7 +31,7 @@ class Candidate:
     gain: float
 
 
-def temper(gain: float) -> float:
+def temper(gain: float, error: float = TEMPLATE_ERROR) -> float:
     """Return by which factor differences of deviance count, of a finding that explains `gain`.
 
     Two names part by the deviance D = d^2, d the distance of their signatures. Were these exact,
@@ -39,11 +39,16 @@ def temper(gain: float) -> float:
     errs by a share e of its length moves the difference by another 2 d e sqrt(gain): the
     logarithm of the odds, D of variance 4 D (1 + e^2 gain), is D / (1 + e^2 gain).
     """
-    return 1.0 / (1.0 + TEMPLATE_ERROR**2 * max(gain, 0.0))
+    return 1.0 / (1.0 + error**2 * max(gain, 0.0))
 
 
 def candidates_of(k: int, model: Model, contest: Contest) -> tuple[Candidate, ...]:
     """Return the names that member `k` of the model could have, the likeliest first."""
+    return told(nets_of(k, model, contest), temper(contest.own_gain(model, k)))
+
+
+def nets_of(k: int, model: Model, contest: Contest) -> dict[str, float]:
+    """Return what each name would explain in the place of member `k`, after its price."""
     member, gain = model.members[k], contest.own_gain(model, k)
     own = gain - contest.price_of(member)
     ranked = contest.ranking(model, k, worth=own - 2.0 * CLOSE / temper(gain))
@@ -55,10 +60,10 @@ def candidates_of(k: int, model: Model, contest: Contest) -> tuple[Candidate, ..
             net = own + now - contest.penalised(contest.placed(model, k, score))
         # The search has found nothing that is better, and what is not fitted is no proof of it.
         nets[score.name] = min(net, own)
-    return _told(nets, temper(gain))
+    return nets
 
 
-def _told(nets: dict[str, float], tempered: float) -> tuple[Candidate, ...]:
+def told(nets: dict[str, float], tempered: float) -> tuple[Candidate, ...]:
     """Return the likeliest names and their probabilities."""
     top = max(nets.values())
     weights = {n: exp(0.5 * tempered * max(v - top, -1e3)) for n, v in nets.items()}

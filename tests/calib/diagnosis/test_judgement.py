@@ -1,0 +1,42 @@
+import numpy as np
+from numpy.random import default_rng
+
+from calib.diagnosis.judgement import told
+from tests.calib.diagnosis.probabilities import Found, fit, reliability
+
+ERROR = 0.05
+
+
+def findings(n: int) -> list[Found]:
+    """Return findings of two names, whose signatures err by `ERROR` of their length."""
+    rng = default_rng()
+    found = []
+    for _ in range(n):
+        gain = float(np.exp(rng.uniform(np.log(50.0), np.log(20_000.0))))
+        apart = gain * float(rng.uniform(0.0, 0.1))
+        scatter = 2.0 * np.sqrt(apart * (1.0 + ERROR**2 * gain))
+        ahead = apart + scatter * float(rng.standard_normal())
+        found.append(Found({"true": gain, "false": gain - ahead}, gain, "true"))
+    return found
+
+
+def test_the_error_of_signatures_is_found_from_how_names_compare() -> None:
+    error, off = fit(findings(1500))
+    assert off < 0.3
+    # In five of its standard uncertainties, and half a step of the grid.
+    assert abs(np.log(error / ERROR)) < 5.0 * off + 0.03
+
+
+def test_probabilities_are_kept_where_signatures_err_as_is_believed() -> None:
+    for stated, right in reliability(findings(3000), ERROR):
+        std = np.sqrt(max(stated * (1.0 - stated), 1e-3) / right.n)
+        # Names that are not told were improbable: half a per cent at most.
+        assert abs(right.value - stated) < 5.0 * std + 0.005
+
+
+def test_names_are_told_until_they_make_up_nearly_all_and_three_at_most() -> None:
+    alone = told({"a": 100.0, "b": 60.0, "c": 50.0}, 1.0)
+    assert [each.effect for each in alone] == ["a"]
+    alike = told({"a": 100.0, "b": 99.0, "c": 98.0, "d": 97.0}, 1.0)
+    assert [each.effect for each in alike] == ["a", "b", "c"]
+    assert told({"a": 100.0, "b": 0.0}, 1e-6)[1].probability > 0.49
