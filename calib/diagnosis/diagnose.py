@@ -8,6 +8,7 @@ import numpy as np
 from calib.diagnosis.all_signatures import all_signatures
 from calib.diagnosis.chain_run import FittedChain
 from calib.diagnosis.contest import Contest, contribution
+from calib.diagnosis.description import describe
 from calib.diagnosis.estimate import Estimate
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.figures import Figures
@@ -24,7 +25,7 @@ from calib.diagnosis.heldout import HeldOut, HeldOutDeviances
 from calib.diagnosis.joint import joint, joint_images
 from calib.diagnosis.judgement import Candidate, candidates_of
 from calib.diagnosis.known import beside, known_departures, of_known_baseline
-from calib.diagnosis.locate import locate, where
+from calib.diagnosis.locate import locate
 from calib.diagnosis.model import Member, Model
 from calib.diagnosis.parameter_off import ParameterOff
 from calib.diagnosis.remainder import CERTAIN_SIGMA, looks_at, worst
@@ -127,9 +128,7 @@ def examine(
     look, sigma = worst(model, evidence)
     unexplained = None
     if sigma > CERTAIN_SIGMA:
-        columns = (0, evidence.sensor.n_columns - 1)
-        place = where(look.statistic, look.depends_on, look.blocks, columns, evidence)
-        unexplained = Unexplained(sigma, place)
+        unexplained = Unexplained(sigma, describe(look, model, evidence))
     before, after = heldout.of(()), heldout.of(range(len(model.members)))
     names = tuple(m.signature.shape.name for m in model.members)
     off: tuple[ParameterOff, ...] = ()

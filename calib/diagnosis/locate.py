@@ -43,7 +43,7 @@ def locate(point: Point, statistic: str, depends_on: Sequence[str], evidence: Ev
     n = evidence.pooled_std.size
     by_block = (point.means**2).sum(axis=1)
     by_block = by_block + (point.rest[:n].reshape(evidence.pooled_std.shape) ** 2).sum(axis=1)
-    columns = _columns((point.means**2).sum(axis=0), evidence)
+    columns = columns_of((point.means**2).sum(axis=0), evidence)
     return where(statistic, depends_on, by_block, columns, evidence)
 
 
@@ -82,7 +82,7 @@ def _listed(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def _columns(energy: Floats, evidence: Evidence) -> tuple[int, int]:
+def columns_of(energy: Floats, evidence: Evidence) -> tuple[int, int]:
     """Return the first and last column between which the middle of the energy lies."""
     by_column = energy.reshape(evidence.sensor.n_rows, -1).sum(axis=0)
     total = float(by_column.sum())
