@@ -4,8 +4,8 @@ from calib.diagnosis.deciding.bench import BenchTime
 from service.bench.bench import Bench
 from service.plan.model import Plan
 
-DIAGNOSIS_S = 15.0
-"""From the end of one sweep to the first block of the next, about: drifts go on meanwhile."""
+DIAGNOSIS_S = 5.0
+"""From the end of one sweep to the first block of the next, at least: drifts go on meanwhile."""
 BLOCK_S = 0.5
 """Reading a bench back around a block: see `service.plan.estimate`."""
 

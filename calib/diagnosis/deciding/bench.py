@@ -1,8 +1,11 @@
 """What a bench can do, and how long it takes: what a plan costs."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
+
+from calib.diagnosis.conditions_table import ConditionsTable
 from calib.recording.header import Block
 
 
@@ -44,6 +47,18 @@ class Taken:
     block: Block
     burning: float
     wait_s: float = 0.0
+
+
+def at_the_pace_of(table: ConditionsTable, bench: BenchTime) -> BenchTime:
+    """Return the bench with the time between blocks that it took when it recorded those of `table`.
+
+    Drifts tell the more, the longer a plan lasts, so that a guess would promise too much.
+    """
+    ends_s = table.started_s + table.n_lines * table.line_period_us * 1e-6
+    pauses_s = table.started_s[1:] - ends_s[:-1]
+    if len(pauses_s) == 0:
+        return bench
+    return replace(bench, block_s=max(float(np.median(pauses_s)), 0.0))
 
 
 def timed(plan: Sequence[Taken], bench: BenchTime, from_s: float) -> tuple[list[Block], float]:

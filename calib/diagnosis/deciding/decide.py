@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.diagnosis.deciding.answer import NextMeasurement
-from calib.diagnosis.deciding.bench import BenchTime, timed
+from calib.diagnosis.deciding.bench import BenchTime, at_the_pace_of, timed
 from calib.diagnosis.deciding.family import Option, options
 from calib.diagnosis.deciding.plan_text import plan_of
 from calib.diagnosis.deciding.planned import with_planned
@@ -50,7 +50,7 @@ def next_measurement(
         most_s: The longest plan that is of use.
     """
     table = examined.evidence.table
-    where = bench or BenchTime(table.line_period_us)
+    where = at_the_pace_of(table, bench or BenchTime(table.line_period_us))
     open_ = [finding for finding in examined.diagnosis.findings if is_open(finding)]
     if not open_:
         return made_testable(examined, header, where, most_s)

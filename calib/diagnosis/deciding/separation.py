@@ -4,7 +4,9 @@ Of two effects, one true at the strength that was fitted: what of its signature 
 imitate, at any strength and with any value of what else the data determine of it, is left over
 when the wrong one is fitted. Its length, whitened, is the square root of the deviance by which the
 true name is expected to win, with a standard deviation of 1 (a matched filter; the signatures are
-taken to be straight about the fitted strengths).
+taken to be straight about the fitted strengths). Signatures are not exact, and what a diagnosis
+makes of that deviance is tempered accordingly; so is what is expected here, lest a plan that
+only makes an effect stronger seem to tell its names apart.
 """
 
 from collections.abc import Sequence
@@ -15,6 +17,7 @@ import numpy as np
 from calib.diagnosis.deciding.rivals import Rivals
 from calib.diagnosis.diagnose import responder_of
 from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.judgement import temper
 from calib.diagnosis.model import Member
 from calib.diagnosis.point import Point
 from calib.diagnosis.projection import orthonormal, without
@@ -65,4 +68,5 @@ def _left_over(
     if evidence.product(own, target) > 0 or wrong.signature.shape.two_sided:
         # A strength that has a sign cannot imitate what points the other way.
         target = without(true, orthonormal([*beside, *directions], evidence), evidence)
-    return float(np.sqrt(max(evidence.product(target, target), 0.0)))
+    tempered = temper(evidence.product(true, true))
+    return float(np.sqrt(tempered * max(evidence.product(target, target), 0.0)))

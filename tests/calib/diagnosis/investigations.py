@@ -70,7 +70,7 @@ CASES = {
         _PAIRS, (DarkCurrent(0.003, 0.0), OffsetDrift(60.0, 600.0))
     ),
     "CTI or interpixel capacitance": Case(
-        _FACTORIAL, (Cti(per_transfer=6.5e-4, partition_noise=0.0), InterpixelCapacitance(0.01))
+        _FACTORIAL, (Cti(per_transfer=8e-4, partition_noise=0.0), InterpixelCapacitance(0.013))
     ),
 }  # fmt: skip
 
