@@ -4,24 +4,19 @@ from calib.forward.model import Model
 
 
 def small_camera(columns: int, axis_column: float) -> Model:
-    """Twelve bits, two taps, six lamps of 10 W m-2 sr-1 without error, 0.05 DN/e-, offset 40 DN."""
+    """Twelve bits, six lamps of 10 W m-2 sr-1, 0.05 DN/e-, 20 electrons of read noise, 40 DN."""
     return Model.loads(
         f"""
         [camera]
         serial = "B0001"
         columns = {columns}
         bit_depth = 12
-        taps = 2
-        tap_layout = "odd_even"
         line_period_us = 1400.0
         band = "NIR"
-        started_at = 2026-11-01T00:00:00Z
         [source]
         kind = "sphere"
         lamps = 6
         radiance_unit = "W m-2 sr-1"
-        certificate_relative_std = 0.0
-        level_relative_std = 0.0
         [effects.illumination]
         radiance = [10.0, 10.0, 10.0, 10.0, 10.0, 10.0]
         [effects.vignette]

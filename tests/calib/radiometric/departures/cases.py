@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 
 import numpy as np
 from numpy.random import Generator
@@ -26,7 +27,14 @@ TEMPERATURES_C = (25.0, 27.0, 24.0, 29.0, 26.0, 28.0)
 SCENES = ((100.0, 25.0), (200.0, 29.0))
 """Exposure, µs, and sensor temperature, °C."""
 
-MODEL = small_camera(COLUMNS, axis_column=70.0)
+_PLAIN = small_camera(COLUMNS, axis_column=70.0)
+_TAPS = {"taps": 2, "tap_layout": "odd_even", "started_at": datetime(2026, 11, 1, tzinfo=UTC)}
+_WITHOUT_ERROR = {"certificate_relative_std": 0.0, "level_relative_std": 0.0}
+MODEL = Model(
+    _PLAIN.camera.model_copy(update=_TAPS),
+    _PLAIN.source.model_copy(update=_WITHOUT_ERROR),
+    _PLAIN.effects,
+)
 
 
 @dataclass(frozen=True)
