@@ -161,20 +161,19 @@ class FittedChain:
 
     def has_events(self, effect: Effect) -> bool:
         """Return whether chance has a part in an effect: noise that moments do not tell."""
-        return effect.stochastic and self._asked_by(effect)[0]
-
-    def moves_lines(self, effect: Effect) -> bool:
-        """Return whether an effect has noise that all pixels of a line share."""
-        return effect.stochastic and self._asked_by(effect)[1]
-
-    def _asked_by(self, effect: Effect) -> tuple[bool, bool]:
-        """Return whether an effect asks for events, and for one number a line."""
-        if effect.name not in self._asked:
+        if not effect.stochastic:
+            return False
+        if effect.name not in self._events:
             at, shape = self.table.at(0, np.arange(2.0)), (2, *self.sensor.sample)
             rng = DesignedNoise([self.seed], shape, (0,), 0, noise=1.0)
             effect.apply(np.full(shape, 100.0), at, rng)
-            self._asked[effect.name] = rng.events, rng.shared
-        return self._asked[effect.name]
+            self._events[effect.name] = rng.events
+        return self._events[effect.name]
+
+    def has_noise(self, effect: Effect) -> bool:
+        """Return whether an effect adds noise of its own that moments tell."""
+        divides = getattr(effect, "partition_noise", 1.0) > 0.0
+        return effect.stochastic and divides and not self.has_events(effect)
 
     def _chain(self, effects: Sequence[Effect]) -> tuple[Effect, ...]:
         return tuple(sorted((*self.links, *effects), key=place_of))
@@ -302,7 +301,7 @@ class FittedChain:
         return {}
 
     @cached_property
-    def _asked(self) -> dict[str, tuple[bool, bool]]:
+    def _events(self) -> dict[str, bool]:
         return {}
 
     @cached_property

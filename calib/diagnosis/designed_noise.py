@@ -5,7 +5,7 @@ numbers behind these are designed for the few lines that are simulated. Only wha
 so is left to chance: single events, which a link asks for one by one.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,13 +23,7 @@ _SHARED = PCG64(0)
 
 
 class DesignedNoise(Moments):
-    """Answers for lines of one block, or of several with as many lines each.
-
-    Attributes:
-        events: Whether anything was left to chance.
-        shared: Whether all of a line got one number: its products with what the line's pixels
-            have in common by chance are no small matter, and change sign with `noise`.
-    """
+    """Answers for lines of one block, or of several with as many lines each."""
 
     def __init__(
         self,
@@ -52,10 +46,11 @@ class DesignedNoise(Moments):
         super().__init__(_SHARED, noise=noise)
         self._seed, self._shape, self._which, self._source = seed, shape, which, source
         self._size, self._n = noise, shape[0] // len(which)
-        self._arrays = self._line = self._column = 0
-        self._lines = self._columns = np.zeros((1, 0))
+        self._arrays = 0
+        # What is asked for line by line, or column by column, by the share that is asked for.
+        self._share: object = None
+        self._given: dict[object, tuple[int, Floats]] = {}
         self._chance: Generator | None = None
-        self.shared = False
 
     @property
     def events(self) -> bool:
@@ -73,10 +68,12 @@ class DesignedNoise(Moments):
         """Return smooth numbers for pixels; single ones, of events, are drawn."""
         if np.ndim(lam) == 0 and size is None:
             return self.chance.poisson(float(np.asarray(lam)))
+        self._share = None
         return super().poisson(lam, size)
 
     def binomial(self, n: ArrayLike, p: ArrayLike, size: Any = None) -> Any:
         """Return smooth numbers; none comes of less than nothing."""
+        self._share = float(np.asarray(p)) if np.ndim(p) == 0 else None
         return super().binomial(np.maximum(n, 0.0), p, size)
 
     def standard_normal(self, size: Any = None, *_: Any, **__: Any) -> Any:
@@ -88,7 +85,6 @@ class DesignedNoise(Moments):
         one_a_line = {self._shape[:1], (*self._shape[:-1], 1)}
         if self.events or shape not in {self._shape, self._shape[1:], *one_a_line}:
             return self.chance.standard_normal(size)
-        self.shared |= shape in one_a_line
         if not self._size:
             return np.zeros(shape)
         if self._n < 2:
@@ -129,18 +125,19 @@ class DesignedNoise(Moments):
         return super()._about(mean, variance, size)
 
     def _next_line(self) -> Floats:
-        k = self._line % self._shape[0]
-        if k == 0:
-            self._lines = self._designed(self._shape[1:])
-        self._line += 1
-        return np.asarray(self._lines[k])
+        return self._next(self._n, lambda: self._designed(self._shape[1:]))
 
     def _next_column(self) -> Floats:
-        k = self._column % WIDTH
-        if k == 0:
-            self._columns = self._designed((*self._shape[1:-1], WIDTH))
-        self._column += 1
-        return np.asarray(self._columns[..., k])
+        sample = (*self._shape[1:-1], WIDTH)
+        return self._next(WIDTH, lambda: np.moveaxis(self._designed(sample), -1, 0))
+
+    def _next(self, length: int, more: Callable[[], Floats]) -> Floats:
+        """Return the next entry of the array of this share, whose first axis has `length`."""
+        k, array = self._given.get(self._share, (length, np.zeros(0)))
+        if k == length:
+            k, array = 0, more()
+        self._given[self._share] = k + 1, array
+        return np.asarray(array[k])
 
     def _designed(self, sample: tuple[int, ...]) -> Floats:
         more = 3 * self._arrays

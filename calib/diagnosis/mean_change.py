@@ -1,46 +1,34 @@
-"""What effects change in the means of all pixels, in those of first lines, and in tones."""
+"""What noise-free lines say of means, of first lines, of tones, and of scatter within a block."""
 
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.arrays import Columns
 from calib.diagnosis.chain_run import FittedChain
-from calib.diagnosis.pooled import ONSET_LINES
+from calib.diagnosis.pooled import ONSET_LINES, Counts, places, pooled
+from calib.diagnosis.sampled_lines import SampledLines, is_tone
+from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.statistics.gather import CUT_SIGMA
+from calib.diagnosis.statistics.rare import FAR_SIGMA, OFTEN, rare_trials
 from calib.diagnosis.tones import Peak
-from calib.diagnosis.with_values import with_values
-from calib.forward.departure import Departure
 from calib.forward.effect import Effect
-from calib.forward.left import Left
+from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS, ResidualProducts, tap_sizes
 
 Floats = NDArray[np.float64]
 
 TONE_LINES = 48
 """So many lines, or all of a block, tell a tone."""
+STEADY = 1e-3
+"""Lines that differ by less than this part of the noise are alike."""
 
 
-def mean_change(
-    chain: FittedChain, effects: Sequence[Effect], lefts: Sequence[Left | None], draw: int
-) -> tuple[Floats, Floats]:
-    """Return the change of means, (n_blocks, n_pixels), and of first lines', (n_blocks, 3).
-
-    A tone leaves nothing in the means of a whole block.
-    """
-    effects = tuple(_undivided(effect) for effect in effects if not is_tone(effect))
-    if any(_remembers(e) or chain.has_events(e) for e in effects):
-        found = _by_stretches(chain, effects, lefts, draw)
-    else:
-        found = _by_three(chain, effects, draw)
-    plain = chain.baseline.mean_dn.reshape(len(found), -1)
-    means, onset = [], np.zeros((len(found), ONSET_LINES))
-    for b, (lines, weights, first) in enumerate(found):
-        change = lines - plain[b]
-        means.append(weights @ change)
-        onset[b, : len(first)] = first @ change.mean(axis=1)
-    return np.stack(means), onset
+def mean_change(sampled: Sequence[SampledLines]) -> tuple[Floats, Floats]:
+    """Return the change of means, (n_blocks, n_pixels), and of first lines', (n_blocks, 3)."""
+    onset = np.zeros((len(sampled), ONSET_LINES))
+    for b, each in enumerate(sampled):
+        onset[b, : len(each.first)] = each.first @ each.change.mean(axis=1)
+    return np.stack([each.weights @ each.change for each in sampled]), onset
 
 
 def tone_change(chain: FittedChain, effects: Sequence[Effect], peaks: Sequence[Peak]) -> Floats:
@@ -58,98 +46,82 @@ def tone_change(chain: FittedChain, effects: Sequence[Effect], peaks: Sequence[P
     return found
 
 
-def is_tone(effect: Effect) -> bool:
-    """Return whether an effect shows in the spectrum first."""
-    return isinstance(effect, Departure) and effect.shows_in == "spectrum"
+def scatter_change(
+    sampled: Sequence[SampledLines], variance: Floats, sensor: Sensor, counts: Counts
+) -> tuple[Floats, Floats]:
+    """Return what lines that differ add to pooled statistics and to rates of what is counted.
 
+    Noise and what changes from line to line without chance add up in second moments; in fourth
+    ones, 6 v r^2 + r^4 is added for a residual r beside noise of variance v.
 
-_Weighed = tuple[Floats, Columns, Floats]
-"""Lines, (n, n_pixels), their weights in the block's mean, (n,), and in its first lines, (k, n)."""
+    Args:
+        sampled: Lines of each block.
+        variance: Noise of each pixel, DN^2, (n_blocks, n_rows, n_columns).
+        sensor: The sensor.
+        counts: Its counts.
 
-
-def _by_three(chain: FittedChain, effects: Sequence[Effect], draw: int) -> list[_Weighed]:
-    """Return first, middle and last lines: what changes within a block does so smoothly.
-
-    Their weights are Simpson's; first lines lie on the parabola through the three.
+    Returns:
+        (n_blocks, n_pooled) and (n_blocks, n_rare).
     """
-    counts = chain.table.n_lines.astype(int).tolist()
-    lines = [(b, np.array([0.0, (n - 1) / 2, n - 1.0])) for b, n in enumerate(counts)]
-    stack = chain.stack(lines, "three")
-    found = chain.noise_free(stack, effects, draw)
-    simpson = np.array([1.0, 4.0, 1.0]) / 6.0
-    return [
-        (found[where], simpson, _parabola(n)) for where, n in zip(stack.parts, counts, strict=True)
-    ]
+    where = places(sensor)
+    moved = np.zeros((len(sampled), max(s.stop for s in where.values())))
+    rare = np.zeros((len(sampled), 4))
+    for b, each in enumerate(sampled):
+        sigma = np.sqrt(variance[b])
+        if np.ptp(each.change, axis=0).max() < STEADY * sigma.min():
+            continue
+        n = len(each.between)
+        products, rare[b] = _products(each, sigma, sensor)
+        moved[b] = pooled(products, n, variance[b], sensor, counts).vector()
+        moved[b, where["kurtosis"]] -= 1.0  # of no noise at all
+        rare[b] /= rare_trials(n, sensor.n_pixels)
+    return moved, rare
 
 
-@lru_cache
-def _parabola(n: int) -> Floats:
-    """Return the weights of three lines in the first ones less the later half's mean, (k, 3)."""
-    t = np.arange(n) / max(n - 1, 1)
-    basis = np.stack([(1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1)], axis=1)
-    return np.asarray(basis[:ONSET_LINES] - basis[n // 2 :].mean(axis=0))
+def _products(each: SampledLines, sigma: Floats, sensor: Sensor) -> tuple[ResidualProducts, Floats]:
+    """Return sums of products over all lines of a block, and what is counted, (4,)."""
+    n, shape = len(each.between), (sensor.n_rows, sensor.n_columns)
+    r = (each.change - each.weights @ each.change).reshape(-1, *shape)
+    means = np.zeros((len(r), sensor.n_rows, sensor.n_taps))
+    for tap in range(sensor.n_taps):
+        of_tap = sensor.tap == tap
+        size = np.maximum(tap_sizes(sensor.tap, sensor.n_taps)[:, tap], 1.0)
+        means[..., tap] = np.where(of_tap, r, 0.0).sum(axis=-1) / size
+    r = r - np.take_along_axis(means, np.broadcast_to(sensor.tap, r.shape), axis=2)
+    out = np.abs(r) > CUT_SIGMA * sigma + 1.0
+    rare = _counted(np.where(out, r, 0.0) / sigma, each.weights * n)
+    r = np.where(out, 0.0, r)
+    gram = [each.between[: n - k].T @ each.between[k:] for k in range(LINE_LAGS + 1)]
+    along = np.tensordot(gram[0], r, 1)
+    columns, lines = np.zeros((COLUMN_LAGS, *shape)), np.zeros((LINE_LAGS, *shape))
+    for k in range(1, min(COLUMN_LAGS, sensor.n_columns - 1) + 1):
+        columns[k - 1, :, :-k] = (along[..., :-k] * r[..., k:]).sum(axis=0)
+    for k in range(1, LINE_LAGS + 1):
+        lines[k - 1] = (r * np.tensordot(gram[k], r, 1)).sum(axis=0)
+    rows, partners = np.zeros(shape), np.zeros((len(sensor.partner), *shape))
+    rows[:-1] = (along[:, :-1] * r[:, 1:]).sum(axis=0)
+    for p, partner in enumerate(sensor.partner):
+        partners[p] = np.where(partner >= 0, (along * r[..., partner]).sum(axis=0), 0.0)
+    squares = (along * r).sum(axis=0)
+    fourths = 6.0 * sigma**2 * squares + np.tensordot(each.weights * n, r**4, 1)
+    found = ResidualProducts(
+        np.zeros(shape), squares, fourths, columns, rows, lines, partners,
+        np.tensordot(each.between, means, 1), np.zeros(shape, np.int64),
+    )  # fmt: skip
+    return found, rare
 
 
-def _by_stretches(
-    chain: FittedChain, effects: Sequence[Effect], lefts: Sequence[Left | None], draw: int
-) -> list[_Weighed]:
-    """Return the first lines and some others, which find in the pixels what those before left."""
-    lines: list[tuple[int, Columns]] = []
-    before: list[Left | None] = []
-    weights = []
-    for b, n in enumerate(chain.table.n_lines.astype(int).tolist()):
-        stretches, weight = spread_lines(n)
-        weights.append(weight)
-        left = _as_it_is(lefts[b], effects)
-        for each in stretches:
-            lines.append((b, each))
-            kept = chain.left_after(b, int(each[0]), effects, left)
-            before.append(_as_it_is(kept, effects))
-    stack = chain.stack(lines, "spread").before(before)
-    found = chain.noise_free(stack, effects, draw)
-    parts = np.split(found, np.cumsum([len(w) for w in weights])[:-1])
-    return [(part, w, _first(len(w))) for part, w in zip(parts, weights, strict=True)]
+def _counted(far: Floats, lines: Floats) -> Floats:
+    """Return how often each of `RARE` happens, (4,).
 
-
-@lru_cache
-def _first(n: int) -> Floats:
-    """Return the weights of lines in the first ones less the later half's mean, (k, n)."""
-    later = np.where(np.arange(n) >= n // 2, 1.0 / (n - n // 2), 0.0)
-    return np.asarray(np.eye(n)[:ONSET_LINES] - later)
-
-
-@lru_cache
-def spread_lines(n: int) -> tuple[tuple[Columns, ...], Columns]:
-    """Return stretches of lines that stand for a block of `n`, and the weight of each line.
-
-    The first lines count for themselves, since there a step from the block before shows.
+    Args:
+        far: Samples beyond the cut, standard deviations, else 0, (k, n_rows, n_columns).
+        lines: For how many lines each stands, (k,).
     """
-    if n <= 16:
-        return (np.arange(n, dtype=np.float64),), np.full(n, 1.0 / n)
-    starts = (0, n // 8, n // 4, n // 2, 3 * n // 4, n - 2)
-    lengths = (6, 1, 1, 2, 1, 2)
-    stretches: list[Columns] = []
-    for start, length in zip(starts, lengths, strict=True):
-        first = max(start, int(stretches[-1][-1]) + 1 if stretches else 0)
-        stretches.append(np.arange(first, min(first + length, n), dtype=np.float64))
-    lines = np.concatenate(stretches)
-    edges = np.concatenate([[-0.5], (lines[1:] + lines[:-1]) / 2, [n - 0.5]])
-    return tuple(s for s in stretches if len(s)), np.diff(edges) / n
-
-
-def _undivided(effect: Effect) -> Effect:
-    """Return the effect with charge parted exactly by its share: what it does on average."""
-    if not isinstance(effect, Departure) or not hasattr(effect, "partition_noise"):
-        return effect
-    return with_values(effect, {"partition_noise": 0.0})
-
-
-def _as_it_is(left: Left | None, effects: Sequence[Effect]) -> Left | None:
-    """Return what was left on average as if drawn, where no effect takes it for whole electrons."""
-    if left is None or not all(hasattr(e, "partition_noise") for e in effects if _remembers(e)):
-        return left
-    return replace(left, drawn=True)
-
-
-def _remembers(effect: Effect) -> bool:
-    return hasattr(effect, "carry")
+    if not far.any():
+        return np.zeros(4)
+    often = np.tensordot(lines, far != 0.0, 1) >= OFTEN
+    single = np.where(often, 0.0, far)
+    above, below = (np.tensordot(lines, each, 1).sum() for each in
+                    (single > FAR_SIGMA, single < -FAR_SIGMA))  # fmt: skip
+    return np.array([above, below, often.sum(), 0.0])

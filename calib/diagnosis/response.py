@@ -13,9 +13,10 @@ from calib.diagnosis.change import Change
 from calib.diagnosis.code_counts import fine_blocks
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.drawn_lines import Drawn, drawn_of
-from calib.diagnosis.mean_change import mean_change, tone_change
+from calib.diagnosis.mean_change import mean_change, scatter_change, tone_change
 from calib.diagnosis.noisy import NOISY_SIGMA, few
 from calib.diagnosis.pooled import Counts
+from calib.diagnosis.sampled_lines import sampled_lines
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.short_blocks import as_of_long_blocks
 from calib.diagnosis.stack import Stack
@@ -67,9 +68,10 @@ class Responder:
         lefts = self.chain.left_before(effects)
         coded = any(e.stage >= Stage.CODES for e in effects)
         others = [e for e in effects if e.stage < Stage.CODES]
-        means, onset = mean_change(self.chain, others, lefts, draw)
-        # What a line's pixels share has chance products with their own noise, of either sign.
-        signs = (1.0, -1.0) if any(map(self.chain.moves_lines, effects)) else (1.0,)
+        sampled = sampled_lines(self.chain, others, lefts, draw)
+        means, onset = mean_change(sampled)
+        # An effect's own noise has chance products with that of the baseline, of either sign.
+        signs = (1.0, -1.0) if any(map(self.chain.has_noise, effects)) else (1.0,)
         drawn = [self._drawn(effects, lefts, draw, coded=coded, sign=sign) for sign in signs]
         plain = (self.plain or self).plain_drawn(draw, coded=coded)
         if coded:
@@ -82,13 +84,18 @@ class Responder:
         variance = self.chain.baseline.variance_dn2
         moved = _mean([each.pooled(variance, sensor, counts) for each in drawn])
         moved = moved - plain.pooled(variance, sensor, counts)
+        moved = as_of_long_blocks(moved, self.n_lines, table.n_lines, sensor)
+        rare = _mean([d.rare for d in drawn]) - plain.rare
+        if not any(map(self.chain.has_events, effects)):
+            scatter, counted = scatter_change(sampled, variance, sensor, counts)
+            moved, rare = moved + scatter, rare + counted
         trials = rare_trials(self.n_lines, self.chain.sensor.n_pixels)
         fine = fine_blocks(self.chain.baseline)
         return Change(
             means,
             onset,
-            as_of_long_blocks(moved, self.n_lines, table.n_lines, sensor),
-            _by_conditions(_mean([d.rare for d in drawn]) - plain.rare, trials, table),
+            moved,
+            _by_conditions(rare, trials, table),
             ratio,
             _codes(_mean([d.codes for d in drawn]) - plain.codes, (weight + 1) * fine, coded=coded),
             tone_change(self.chain, effects, self.peaks),

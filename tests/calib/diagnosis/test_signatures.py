@@ -1,0 +1,83 @@
+"""Signatures against long recordings with and without the effect, drawn by the forward model."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+from scipy.stats import chi2
+
+from calib.diagnosis.diagnose import responder_of
+from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.signatures import change_of
+from calib.forward.departure import Departure
+from calib.forward.effects.brighter_fatter import BrighterFatter
+from calib.forward.effects.cti import Cti
+from calib.forward.effects.exposure_jitter import ExposureJitter
+from calib.forward.effects.interpixel_capacitance import InterpixelCapacitance
+from calib.forward.effects.lag import Lag
+from calib.forward.effects.line_noise import LineNoise
+from calib.forward.effects.nonlinearity import Nonlinearity
+from calib.forward.effects.persistence import Persistence
+from calib.forward.effects.tap_crosstalk import TapCrosstalk
+from calib.recording.header import Block
+from tests.calib.diagnosis.recordings import plain_model, recorded
+
+COLUMNS, LINES = 64, 1500
+EFFECTS = (
+    Nonlinearity(3e-6),
+    InterpixelCapacitance(0.02),
+    BrighterFatter(2e-6),
+    TapCrosstalk(0.02, "odd_even"),
+    Lag(0.005),
+    Lag(0.005, 0.0),
+    Cti(3e-4, partition_noise=0.0),
+    Cti(3e-4),
+    Persistence(0.003, 8.0),
+    ExposureJitter(0.001),
+    LineNoise(0.4),
+)
+
+
+def blocks() -> list[Block]:
+    wanted = [("flat", 3.0, 900.0), ("dark", 0.0, 900.0), ("flat", 1.0, 300.0)]
+    wanted += [("flat", 2.0, 900.0), ("dark", 0.0, 300.0), ("flat", 3.0, 300.0)]
+    return [
+        Block(block=str(k), kind=kind, level=level, exposure_us=exposure, lines=LINES)
+        for k, (kind, level, exposure) in enumerate(wanted)
+    ]
+
+
+@cache
+def plain() -> Evidence:
+    return recorded(plain_model(COLUMNS, taps=2, layout="odd_even"), blocks(), default_rng())
+
+
+def with_effect(effect: Departure) -> Evidence:
+    model = plain_model(COLUMNS, taps=2, layout="odd_even")
+    return recorded(model, blocks(), default_rng(), (effect,))
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda e: f"{e.name}")
+def test_a_signature_is_what_long_recordings_show(effect: Departure) -> None:
+    first, other = replace(plain(), known_peaks=()), with_effect(effect)
+    seen = replace(first, sums=other.sums).observed() - first.observed()
+    signature = change_of((effect,), first, responder_of(first))
+    std = np.hypot(first.pooled_std, other.pooled_std)
+    usable = np.isfinite(std) & (std > 0)
+    for kind, where in first.places.items():
+        fine = usable[:, where]
+        if fine.any():
+            z = ((seen.pooled - signature.pooled)[:, where] / std[:, where])[fine]
+            # Eleven effects of a dozen kinds: by chance once in 5,000 runs.
+            assert abs(z.mean()) < 5.0 / np.sqrt(z.size), kind
+            assert (z**2).sum() < chi2.isf(1e-6, z.size), kind
+    white = (first.baseline.variance_dn2 + other.baseline.variance_dn2) / LINES
+    shared = first.common.fixed_dn2 + other.common.fixed_dn2
+    shared = shared + other.common.relative * first.signal_dn[:, None, None] ** 2
+    missed = (seen.means - signature.means).reshape(white.shape)
+    z = missed.mean(axis=(1, 2)) / np.sqrt((white / COLUMNS + shared / LINES).mean(axis=(1, 2)))
+    assert np.abs(z).max() < 5.0
+    z = (missed - missed.mean(axis=2, keepdims=True)) / np.sqrt(white)
+    assert (z**2).sum() < chi2.isf(1e-6, z.size)
