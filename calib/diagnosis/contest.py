@@ -38,11 +38,13 @@ class Contest:
         signatures: Of all effects.
         evidence: What they are to explain.
         responder: Takes signatures anew.
+        free: Whether courses in time are left free where that is worth its price.
     """
 
     signatures: tuple[Signature, ...]
     evidence: Evidence
     responder: Responder
+    free: bool = False
 
     @cached_property
     def shapes(self) -> dict[str, int]:
@@ -75,7 +77,7 @@ class Contest:
 
     def _freed(self, score: Score, residual: Point, basis: Sequence[Point]) -> Score:
         """Return the score with its course in time left free where that is worth its price."""
-        if score.gain <= WORTH_FREEING or not is_free(score.signature):
+        if not self.free or score.gain <= WORTH_FREEING or not is_free(score.signature):
             return score
         parts = course(score.signature, residual, self.evidence)
         beside = [*basis, *orthonormal([without(score.signature.point, basis, self.evidence)],

@@ -1,7 +1,7 @@
 """Diagnoses a recording: what the plain model lacks, what it is called, how much of it there is."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -123,6 +123,7 @@ def examine(
     unknown = [s for s in signatures if known is None or s.shape.name not in known.names]
     contest = Contest(tuple(unknown), evidence, responder)
     model = find(contest, beside(known, evidence))
+    contest = replace(contest, free=any(m.course for m in model.members))
     heldout = HeldOutDeviances(model, evidence)
     findings = _findings(model, contest, heldout)
     look, sigma = worst(model, evidence)

@@ -1,16 +1,18 @@
 """Looks for the catalogue's effects: adds the best, refits all, and puts names to the test.
 
 A greedy search ends where it began. So the likeliest few names are fitted before one of them is
-added, and after each addition every effect found before has to stand against what could take its
-place now: what looked like one effect may be two, of which the first name was neither.
+added, and when all are there each has to stand against what could take its place now: what looked
+like one effect may be two, of which the first name was neither.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from calib.diagnosis.contest import Contest
 from calib.diagnosis.model import Model
+from calib.diagnosis.remainder import unexplained_deviance
 from calib.diagnosis.scores import Score
 from calib.diagnosis.support import supported
 
@@ -25,6 +27,8 @@ CLOSE_SHARE = 0.15
 """So may those within this share of what the best one explains: shapes are that coarse."""
 MOST_FITTED = 3
 """So many names are fitted for one place."""
+ROUNDS = 2
+"""Of exchanges."""
 BETTER = 4.0
 """Deviance by which a name has to be better than one that has the place."""
 
@@ -32,21 +36,42 @@ BETTER = 4.0
 def find(contest: Contest, nothing: Model) -> Model:
     """Return the effects that explain the recording better than chance, jointly fitted.
 
+    Where one shape of the catalogue does not explain all, courses in time are left free in a
+    search of its own: one name whose course is free may be simpler than several names.
+
     Args:
         contest: What is looked for.
         nothing: The model in which nothing has been found yet.
     """
-    model, most = nothing, 0.0
-    while len(model.members) < MOST_EFFECTS:
-        ranked = contest.ranking(model, worth=THRESHOLD / 2)
-        if not ranked or ranked[0].net < max(THRESHOLD, IMPERFECT * most):
-            break
-        most = max(most, ranked[0].gain)
-        grown = _pruned(_exchanged(_best_placed(model, None, ranked, contest), contest), contest)
-        if contest.penalised(grown) > contest.penalised(model) - THRESHOLD:
-            break
-        model = grown
+    model = _searched(contest, nothing)
+    left = unexplained_deviance(model, contest.evidence)
+    if len(model.members) > 1 or left > 0.0:
+        free = replace(contest, free=True)
+        model = min((model, _searched(free, nothing)), key=lambda m: _cost(m, contest))
     return supported(model, contest)
+
+
+def _cost(model: Model, contest: Contest) -> float:
+    return contest.penalised(model) + THRESHOLD * len(model.members)
+
+
+def _searched(contest: Contest, nothing: Model) -> Model:
+    """Return the effects that are found one after the other, each put to the test at the end."""
+    model, most, tested = nothing, 0.0, False
+    while True:
+        ranked = contest.ranking(model, worth=THRESHOLD / 2)
+        full = len(model.members) >= MOST_EFFECTS
+        if full or not ranked or ranked[0].net < max(THRESHOLD, IMPERFECT * most):
+            settled = _pruned(_exchanged(model, contest), contest)
+            if settled is model or tested:
+                return settled
+            model, tested = settled, True
+            continue
+        most = max(most, ranked[0].gain)
+        grown = _pruned(_best_placed(model, None, ranked, contest), contest)
+        if contest.penalised(grown) > contest.penalised(model) - THRESHOLD:
+            return model
+        model = grown
 
 
 def _best_placed(model: Model, k: int | None, ranked: Sequence[Score], contest: Contest) -> Model:
@@ -58,7 +83,7 @@ def _best_placed(model: Model, k: int | None, ranked: Sequence[Score], contest: 
 
 def _exchanged(model: Model, contest: Contest) -> Model:
     """Return the model with names exchanged for such as explain more beside the others."""
-    for _ in range(MOST_EFFECTS):
+    for _ in range(ROUNDS):
         trials = [model]
         for k in range(len(model.members)):
             own = contest.own_gain(model, k)

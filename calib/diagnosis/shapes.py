@@ -248,7 +248,8 @@ def _scaled(  # noqa: PLR0911 - one for each unit
     if told.unit == "s":
         d, p = scales.duration_s, scales.line_period_s
         # What a pixel remembers may fade within lines; what drifts does so over blocks.
-        return (0.2 * d, 30.0 * p, d, 3.0 * p) if remembers else (d, 0.15 * d, 10.0 * d)
+        ladder = (0.2 * d, 0.04 * d, 0.008 * d, d, 30.0 * p, 3.0 * p)
+        return ladder if remembers else (d, 0.15 * d, 10.0 * d)
     if told.unit == "Hz":
         return scales.tones_hz or (value,)
     if told.unit == "e-":
