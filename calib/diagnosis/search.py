@@ -25,7 +25,7 @@ CLOSE = 25.0
 """Names within so much deviance of the best one may be better once they are fitted."""
 CLOSE_SHARE = 0.15
 """So may those within this share of what the best one explains: shapes are that coarse."""
-MOST_FITTED = 3
+MOST_FITTED = 2
 """So many names are fitted for one place."""
 ROUNDS = 2
 """Of exchanges."""

@@ -1,0 +1,82 @@
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+from numpy.random import default_rng
+
+from calib.arrays import Columns
+from calib.diagnosis.contest import Contest
+from calib.diagnosis.diagnose import responder_of, scales_of
+from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.known import beside
+from calib.diagnosis.model import Model
+from calib.diagnosis.search import find
+from calib.diagnosis.shapes import shapes_of
+from calib.diagnosis.signatures import signature
+from calib.forward.effect import Effect
+from calib.forward.effects.catalogue import effect_named
+from calib.forward.effects.gain_drift import GainDrift
+from calib.forward.effects.lag import Lag
+from calib.forward.effects.nonlinearity import Nonlinearity
+from calib.forward.effects.offset_drift import OffsetDrift
+from tests.calib.diagnosis.recordings import plain_model, plan, recorded
+
+COLUMNS = 128
+NAMES = ("offset_drift", "gain_drift", "nonlinearity", "lag", "amplifier_glow", "stray_light")
+
+
+def recording(*effects: Effect) -> Evidence:
+    rng = default_rng()
+    return recorded(plain_model(COLUMNS), plan(rng, 80), rng, effects)
+
+
+@cache
+def clean() -> Evidence:
+    return recording()
+
+
+def contest_of(evidence: Evidence) -> Contest:
+    responder = responder_of(evidence)
+    scales = scales_of(evidence, responder)
+    shapes = [shape for name in NAMES for shape in shapes_of(effect_named(name), scales)]
+    found = [signature(shape, evidence, responder) for shape in shapes]
+    return Contest(tuple(each for each in found if each is not None), evidence, responder)
+
+
+def found_in(evidence: Evidence) -> list[str]:
+    model = find(contest_of(evidence), beside(None, evidence))
+    return [member.effect.name for member in model.members]
+
+
+def found_of(course: Columns, pattern: Columns, sigma: float) -> Model:
+    """Return what is found in a clean recording to whose means course times pattern was added."""
+    nothing = beside(None, clean())
+    added = replace(nothing.observed * 0.0, means=np.outer(course, pattern))
+    point = clean().point(added)
+    observed = nothing.observed + added * (sigma / np.sqrt(clean().product(point, point)))
+    residual = clean().point(observed)
+    started = replace(nothing, observed=observed, residual=residual, first=residual)
+    return find(contest_of(clean()), started)
+
+
+def test_two_effects_are_both_named_and_nothing_else() -> None:
+    assert sorted(found_in(recording(Nonlinearity(2e-6), Lag(0.01)))) == ["lag", "nonlinearity"]
+
+
+def test_a_drift_is_named_after_what_drifts() -> None:
+    assert found_in(recording(OffsetDrift(2.0, 10.0))) == ["offset_drift"]
+    assert found_in(recording(GainDrift(0.02, 10.0))) == ["gain_drift"]
+
+
+def test_an_offset_that_comes_and_goes_is_an_offset_drift_of_a_free_course() -> None:
+    time = clean().table.mid_s / clean().table.mid_s.max()
+    model = found_of(np.sin(2.0 * np.pi * time) ** 2, np.ones(COLUMNS), 50.0)
+    assert [member.effect.name for member in model.members] == ["offset_drift"]
+    assert model.members[0].course
+
+
+def test_what_no_name_of_the_catalogue_does_gets_none() -> None:
+    signal, time = clean().signal_dn, clean().table.mid_s
+    tilt = np.linspace(-1.0, 1.0, COLUMNS)
+    # A source that turns before the lens.
+    assert found_of(signal * (time - time.mean()), tilt, 60.0).members == ()
