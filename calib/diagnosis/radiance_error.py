@@ -45,7 +45,7 @@ class RadianceError:
     def text(self) -> str:
         """Return a sentence for an operator."""
         if not self.touched:
-            return "Radiance by the plain calibration is not touched."
+            return "The radiance of uniform light is not touched."
         error = float(self.error[self.worst])
         way = "high" if error > 0 else "low"
         return (

@@ -1,4 +1,4 @@
-"""The whole way on a simulated bench: sweep, calibrate, apply, report."""
+"""The whole way on a simulated bench: sweep, calibrate, apply, diagnose, report."""
 
 import shutil
 import time
@@ -10,6 +10,7 @@ import numpy as np
 
 from calib.arrays import Columns
 from calib.errors import DarkflatError
+from calib.forward.effects.interpixel_capacitance import InterpixelCapacitance
 from calib.forward.model import Model
 from calib.radiometric.calibrate import calibrate
 from calib.radiometric.calibration import Calibration
@@ -19,6 +20,7 @@ from calib.radiometric.correction.apply_recording import correct_recording
 from calib.recording.open import open_recording
 from calib.recording.protocol import Recording
 from service.bench import BenchSettings, open_bench
+from service.cli.demo_diagnosis import sentences_of, shortened, take_diagnosis
 from service.cli.demo_plan import demo_plan
 from service.cli.progress import Report
 from service.cli.reporting import write_calibration_report
@@ -31,8 +33,12 @@ from service.sequencer.run import run_plan
 
 _MADE = (
     "plan.toml", "recording.h5", "recording.frames.jsonl", "coefficient-set.h5", "radiance.h5",
-    "report.html",
+    "report.html", "bench-model.toml", "diagnosis.html", "amended-model.toml",
 )  # fmt: skip
+
+
+HIDDEN = InterpixelCapacitance(column_coupling=0.012)
+"""What the demonstration's camera does beyond the plain model: a diagnosis has to find it."""
 
 
 @dataclass(frozen=True)
@@ -58,12 +64,12 @@ def demonstrate(bench: ChosenBench, out: Path, report: Report) -> Demonstration:
     _make_room(out)
     plan = demo_plan(Model.preset(MODEL), lamps=LAMPS)
     (out / "plan.toml").write_text(plan.dumps(), encoding="utf-8")
-    result = _sweep(bench.settings, plan, out / "recording.h5", report)
+    result = _sweep(_hiding(bench.settings, out), plan, out / "recording.h5", report)
     recording = open_recording(result.path)
-    report(0.8, "calibrating")
+    report(0.74, "calibrating")
     calibration = calibrate(recording, plan=plan.dumps())
     calibration.coefficients.save(out / "coefficient-set.h5")
-    report(0.86, "correcting")
+    report(0.8, "correcting")
     judged = calibration.uniformity.block if calibration.uniformity else None
     correct_recording(
         recording,
@@ -72,13 +78,18 @@ def demonstrate(bench: ChosenBench, out: Path, report: Report) -> Demonstration:
         options=ApplyOptions(blocks=[judged] if judged else None),
         cancelled=stop_wanted,
     )
-    report(0.9, "drawing the report")
-    write_calibration_report(out / "report.html", recording, calibration)
+    report(0.85, "diagnosing")
+    diagnosis = take_diagnosis(recording, out)
+    report(0.97, "drawing the report")
+    write_calibration_report(
+        out / "report.html", recording, calibration, remarks=sentences_of(diagnosis)
+    )
     raw_dn, radiance = _profiles(
         recording, calibration, judged or recording.header.blocks[-1].block
     )
     answer = {
         **_told(bench, result, calibration, out),
+        "diagnosis": shortened(diagnosis, out),
         "seconds": round(time.monotonic() - began, 2),
     }
     return Demonstration(answer, calibration, raw_dn, radiance)
@@ -87,7 +98,7 @@ def demonstrate(bench: ChosenBench, out: Path, report: Report) -> Demonstration:
 def _told(
     bench: ChosenBench, result: RunResult, calibration: Calibration, out: Path
 ) -> dict[str, Any]:
-    """Return the answer but for the time; nothing diagnoses yet, which null says."""
+    """Return the answer but for the diagnosis and the time."""
     told = calibration.answer()
     return {
         **_transports(bench.settings),
@@ -97,12 +108,20 @@ def _told(
         "coefficient_set": calibration.coefficients.id,
         "cov_before_percent": told["cov_before_percent"],
         "cov_after_percent": told["cov_after_percent"],
-        "diagnosis": None,
         "report": str(out / "report.html"),
         "radiance": str(out / "radiance.h5"),
         "remark": bench.remark,
         "warnings": told["warnings"],
     }
+
+
+def _hiding(settings: BenchSettings, out: Path) -> BenchSettings:
+    """Return the bench with a camera that does something of which nobody told the calibration."""
+    path = out / "bench-model.toml"
+    Model.preset(MODEL).with_effect(HIDDEN).save(path)
+    assert settings.simulation is not None  # noqa: S101 - the demonstration has a simulated bench
+    simulation = settings.simulation.model_copy(update={"model": str(path.resolve())})
+    return settings.model_copy(update={"simulation": simulation})
 
 
 def _make_room(out: Path) -> None:
@@ -128,7 +147,7 @@ def _sweep(settings: BenchSettings, plan: Plan, out: Path, report: Report) -> Ru
             plan,
             out,
             cancelled=stop_wanted,
-            on_progress=sweep_progress(report, first=0.05, last=0.8),
+            on_progress=sweep_progress(report, first=0.05, last=0.74),
         )
     if result.state != "succeeded":
         raise DarkflatError("stopped in the middle of the sweep, lamps off", code="cancelled")

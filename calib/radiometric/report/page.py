@@ -26,6 +26,7 @@ from calib.recording.block_statistics import RecordingStatistics
 from calib.recording.durable import write_whole
 from calib.recording.protocol import Recording
 from calib.report import camera_words, style
+from calib.report.page_style import page_style
 
 CAPTIONS = {
     "before-and-after": "Masked columns are left blank, never filled in.",
@@ -68,16 +69,21 @@ class Section:
 
 
 def write_report(
-    path: Path, recording: Recording, calibration: Calibration, statistics: RecordingStatistics
+    path: Path,
+    recording: Recording,
+    calibration: Calibration,
+    statistics: RecordingStatistics,
+    remarks: tuple[str, ...] = (),
 ) -> None:
-    """Write the calibration's report to `path`, whole or not at all."""
+    """Write the calibration's report to `path`, whole or not at all; `remarks` follow its lead."""
     with style.house_style():
         sections = tuple(_sections(recording, calibration, statistics))
     text = _template().render(
         title=f"Calibration of {camera_words.camera_name(recording.header.camera)}",
         camera=camera_words.camera_line(recording.header.camera),
         source=words.source_line(recording.header),
-        lead=words.lead(calibration),
+        style=page_style(),
+        lead=(*words.lead(calibration), *remarks),
         warnings=calibration.warnings,
         facts=words.facts(calibration),
         sections=sections,

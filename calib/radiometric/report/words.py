@@ -28,10 +28,10 @@ def lead(calibration: Calibration) -> tuple[str, ...]:
         " % is the radiance scale's."
     ]
     if found.departures is not None:
-        names = ", ".join(found.departures.taken_out)
+        names = " and ".join(n.replace("_", " ") for n in found.departures.taken_out)
         sentences.append(
-            f"What the model says of {names} was taken out of the recording, and is taken out of "
-            "lines that this set corrects."
+            f"The model's {names} was taken out of the recording before anything was fitted, and "
+            "is taken out of lines that this set corrects; the figures show what is left."
         )
     if seen is not None:
         sentences.append(
@@ -62,6 +62,8 @@ def facts(calibration: Calibration) -> Rows:
         ("System gain", _gain(found)),
         ("Read noise", f"{_with_std(found.read_noise_e, found.read_noise_e_std)} e⁻"),
     ]
+    if found.departures is not None:
+        rows.append(("Taken out", _departures(found)))
     if found.reduced_chi_squared is not None:
         rows.append(("Reduced χ² of the lines", f"{found.reduced_chi_squared:.3f}"))
     return tuple(rows)

@@ -21,7 +21,7 @@ def demo(
     seed: Annotated[int | None, typer.Option(min=0, help="Of the simulated noise")] = None,
     json: Json = None,
 ) -> None:
-    """Simulated bench, sweep, calibration, correction, and a report to look at."""
+    """Simulated bench, sweep, calibration, correction, diagnosis, and reports to look at."""
     with answering(json) as answer:
         from service.cli.consoles import notes  # noqa: PLC0415
         from service.cli.demonstration import demonstrate  # noqa: PLC0415
@@ -50,7 +50,14 @@ def _show(console: "Console", done: "Demonstration") -> None:
     console.print()
     show_calibration(console, done.calibration.answer())
     console.print()
-    console.print(f"[bold]look at[/]  {told['report']}   ({told['seconds']:.0f} s)")
+    diagnosis = told["diagnosis"]
+    console.print(f"[bold]diagnosis[/]  {diagnosis['summary']}")
+    for each in diagnosis["findings"]:
+        console.print(f"  {each['sentence']} {each['hid_as']['text']}")
+    console.print()
+    console.print(
+        f"[bold]look at[/]  {told['report']}, {diagnosis['report']}   ({told['seconds']:.0f} s)"
+    )
 
 
 def _profile(console: "Console", name: str, line: str) -> None:

@@ -1,14 +1,22 @@
 """`demo`, without Aravis: the rest is the same; over GigE Vision it is marked."""
 
+import html
+import math
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from calib.diagnosis.findings import Diagnosis
+from calib.forward.model import Model
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.open import open_recording
+from calib.recording.protocol import Recording
 from service.bench import BenchSettings
+from service.cli.demo_diagnosis import take_diagnosis
+from service.cli.demonstration import HIDDEN
 from service.cli.simulated_bench import ChosenBench, simulated_bench
 from service.doctor.aravis import why_no_aravis
 from tests.service.cli.answers import Ran
@@ -43,6 +51,20 @@ def check(ran: Ran, out: Path) -> None:
     assert sum(block.lines or 0 for block in recording.header.blocks) == 128 * told["frames"]
     assert CoefficientSet.load(out / "coefficient-set.h5").id == told["coefficient_set"]
     assert Path(told["report"]).stat().st_size > 10_000
+    check_diagnosis(told, out)
+
+
+def check_diagnosis(told: dict[str, Any], out: Path) -> None:
+    """Check that what the bench hides is found, and said on both pages."""
+    first = told["diagnosis"]["findings"][0]
+    assert first["effect"] == HIDDEN.name
+    coupling = first["parameters"]["column_coupling"]
+    # Signatures of a few drawn lines scatter by a few per cent of their own.
+    allowed = 5.0 * math.hypot(coupling["std"], 0.02 * HIDDEN.column_coupling)
+    assert abs(coupling["value"] - HIDDEN.column_coupling) < allowed
+    for page in (told["report"], told["diagnosis"]["report"]):
+        assert first["sentence"] in html.unescape(Path(page).read_text(encoding="utf-8"))
+    assert Model.load(out / "amended-model.toml").effect(HIDDEN.name) is not None
 
 
 def test_without_aravis_the_demo_runs_in_process_and_says_why(
@@ -51,12 +73,22 @@ def test_without_aravis_the_demo_runs_in_process_and_says_why(
     monkeypatch.setattr("service.cli.simulated_bench.why_no_aravis", lambda: "it is not there")
     chosen = simulated_bench(seed=5)
     monkeypatch.setattr("service.cli.simulated_bench.simulated_bench", lambda **_: quick(chosen))
+    diagnoses: list[Diagnosis] = []
+
+    def taken(recording: Recording, out: Path) -> Diagnosis:
+        diagnoses.append(take_diagnosis(recording, out))
+        return diagnoses[-1]
+
+    monkeypatch.setattr("service.cli.demonstration.take_diagnosis", taken)
     ran = run("demo", "--out", tmp_path / "demo", "--json", "-")
     check(ran, tmp_path / "demo")
     assert (ran.json["transport"], ran.json["serial"]) == ("in-process", "in-process")
     assert "it is not there" in ran.json["remark"]
+    kept = diagnoses[0]
+    monkeypatch.setattr("service.cli.demonstration.take_diagnosis", lambda *_: kept)
     again = run("demo", "--out", tmp_path / "demo", "--json", "-")
-    check(again, tmp_path / "demo")
+    assert again.status == 0, again.stderr
+    assert again.json["frames"] == ran.json["frames"]
 
 
 @pytest.mark.aravis
