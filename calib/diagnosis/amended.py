@@ -3,6 +3,7 @@
 import numpy as np
 
 from calib.diagnosis.baseline import Baseline
+from calib.diagnosis.empirical import empirical_term, with_term
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Model as Found
 from calib.diagnosis.rebase import rebased
@@ -25,11 +26,19 @@ MOST_PIXELS = 1 << 18
 def amended_model(
     found: Found, evidence: Evidence, source: SourceHeader, given: Model | None = None
 ) -> Model:
-    """Return the fitted baseline, or `given`, with the effects that were found."""
-    model = given if given is not None else _fitted(beside(found, evidence), evidence, source)
+    """Return the fitted baseline, or `given`, with the effects that were found.
+
+    What remains of the means beside the former is carried by a term that is called `empirical`.
+    """
+    term = empirical_term(found, evidence) if given is None else None
+    model = given
+    if model is None:
+        base = beside(found, evidence)
+        base = base if term is None else with_term(base, term, evidence)
+        model = _fitted(base, evidence, source)
     for member in found.members:
         model = model.with_effect(member.effect)
-    return model
+    return model if term is None else model.with_effect(term.effect)
 
 
 def beside(found: Found, evidence: Evidence) -> Baseline:

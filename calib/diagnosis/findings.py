@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.absorbed import Absorbed
 from calib.diagnosis.deciding.answer import NextMeasurement
+from calib.diagnosis.empirical_term import EmpiricalTerm
 from calib.diagnosis.estimate import Estimate
 from calib.diagnosis.figures import Figures
 from calib.diagnosis.parameter_off import ParameterOff
@@ -112,14 +113,19 @@ class Finding:
 
 @dataclass(frozen=True)
 class Unexplained:
-    """A remainder without a name."""
+    """A remainder without a name; what an amended model carries of it, labelled as empirical."""
 
     significance_sigma: float
     where: Where
+    term: EmpiricalTerm | None = None
 
     def answer(self) -> dict[str, Any]:
         """Return it as JSON knows it."""
-        return {"significance_sigma": self.significance_sigma, "where": self.where.answer()}
+        return {
+            "significance_sigma": self.significance_sigma,
+            "where": self.where.answer(),
+            "empirical": None if self.term is None else self.term.answer(),
+        }
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from calib.diagnosis.report.groups import groups_of, groups_of_sums
 from calib.diagnosis.report.mathematics import mathematics
 from calib.diagnosis.report.panel import NARROW, Group, Panel
 from calib.diagnosis.report.radiance import CAPTION, radiance_panel
-from calib.diagnosis.report.remainder import remainder_panels, remainder_words
+from calib.diagnosis.report.remainder import remainder_panels, remainder_words, term_panel
 from calib.diagnosis.shapes import departures
 from calib.diagnosis.words.verdict import spoken
 from calib.errors import NotDeterminedError
@@ -101,8 +101,11 @@ def _rest(diagnosis: Diagnosis, seen: Compared | None) -> Content | None:
     if rest is None:
         return None
     text = f"{rest.where.text} It is {rest.significance_sigma:.0f} σ from chance, without a name."
-    panels = () if seen is None else remainder_panels(seen)
+    panels: tuple[Panel, ...] = () if seen is None else remainder_panels(seen)
     words = () if seen is None else remainder_words(seen)
+    if rest.term is not None:
+        words = (*words, rest.term.text)
+        panels = (*panels, term_panel(rest.term))
     return {"text": text, "words": words, "panels": _pictures(panels)}
 
 

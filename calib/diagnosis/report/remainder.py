@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from calib.diagnosis.empirical_term import EmpiricalTerm
 from calib.diagnosis.remainder import CERTAIN_SIGMA
 from calib.diagnosis.report.compared import Compared
 from calib.diagnosis.report.means import binned, by_column
@@ -34,6 +35,18 @@ def remainder_panels(seen: Compared) -> tuple[Panel, ...]:
         Panel("remainder-blocks", on_axes(blocks)),
         Panel("remainder-columns", on_axes(columns)),
     )
+
+
+def term_panel(term: EmpiricalTerm) -> Panel:
+    """Return the empirical term with its uncertainty."""
+
+    def draw(axes: Axes) -> None:
+        at, add = np.array(term.effect.at), np.array(term.effect.add_dn)
+        axes.errorbar(at, add, yerr=term.std_dn, fmt="o-", ms=3.5, color=AFTER, capsize=2)
+        axes.axhline(0.0, color=QUIET, lw=0.8)
+        axes.set(title="empirical term", xlabel=term.effect.follows, ylabel="DN")
+
+    return Panel("empirical-term", on_axes(draw))
 
 
 def strongest_pattern(seen: Compared) -> tuple[Floats, Floats, float]:

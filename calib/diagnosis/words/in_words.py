@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from calib.diagnosis.amended import beside
+from calib.diagnosis.empirical import empirical_term
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.findings import Diagnosis, Finding
 from calib.diagnosis.hidden import absorbed_of, hid_as
@@ -22,7 +23,12 @@ def in_words(diagnosis: Diagnosis, model: Model, evidence: Evidence) -> Diagnosi
     found = tuple(
         _told(each, place[each.effect.name], model, evidence, scales) for each in diagnosis.findings
     )
-    told = replace(diagnosis, findings=found, radiance=radiance_error(model, evidence))
+    rest = diagnosis.unexplained
+    if rest is not None:
+        rest = replace(rest, term=empirical_term(model, evidence))
+    told = replace(
+        diagnosis, findings=found, unexplained=rest, radiance=radiance_error(model, evidence)
+    )
     return replace(told, summary=first_sentence(told))
 
 

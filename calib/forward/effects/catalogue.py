@@ -14,6 +14,7 @@ from calib.forward.effects.cti import Cti
 from calib.forward.effects.dark_current import DarkCurrent
 from calib.forward.effects.dark_current_temperature import DarkCurrentTemperature
 from calib.forward.effects.duplicated_lines import DuplicatedLines
+from calib.forward.effects.empirical import Empirical
 from calib.forward.effects.exposure_jitter import ExposureJitter
 from calib.forward.effects.exposure_offset import ExposureOffset
 from calib.forward.effects.full_well import FullWell
@@ -81,6 +82,7 @@ CATALOGUE: tuple[type[Effect], ...] = (
     LineNoise,
     Banding,
     RtsPixels,
+    Empirical,
     Offset,
     OffsetDrift,
     OffsetTemperature,

@@ -8,6 +8,7 @@ from typing import Any
 from calib.forward.departure import Departure
 from calib.forward.effect import Effect
 from calib.forward.effects.catalogue import effect_named
+from calib.forward.effects.empirical import Empirical
 from calib.forward.effects.system_gain import SystemGain
 from calib.forward.effects.vignette import Vignette
 from calib.forward.parameter import from_table, to_table
@@ -42,9 +43,9 @@ class Departures:
         }
 
     @property
-    def departures(self) -> tuple[Departure, ...]:
-        """The departures themselves."""
-        return tuple(e for e in self._built() if isinstance(e, Departure))
+    def departures(self) -> tuple[Departure | Empirical, ...]:
+        """The departures themselves, an empirical term among them."""
+        return tuple(e for e in self._built() if isinstance(e, Departure | Empirical))
 
     @property
     def taken_out(self) -> dict[str, dict[str, Any]]:

@@ -5,6 +5,7 @@ from datetime import datetime
 
 from calib.forward.departure import Departure, Variable
 from calib.forward.effect import Stage
+from calib.forward.effects.empirical import Empirical
 from calib.forward.schedule import AMBIENT_C
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.radiometric.coefficients.departures import Departures
@@ -74,7 +75,7 @@ def _following(departures: Departures, variable: Variable) -> str:
     Of memory, only the time between lines counts, which is known.
     """
 
-    def follows(d: Departure) -> bool:
+    def follows(d: Departure | Empirical) -> bool:
         return d.stage > Stage.SOURCE and variable == d.depends_on[0]
 
     return ", ".join(d.name for d in departures.departures if follows(d))

@@ -19,6 +19,7 @@ from calib.forward.conditions import Conditions
 from calib.forward.departure import Departure
 from calib.forward.effect import Effect, Stage
 from calib.forward.effects.catalogue import place_of
+from calib.forward.effects.empirical import Empirical
 from calib.forward.effects.offset import Offset
 from calib.forward.effects.responsivity import Responsivity
 from calib.forward.effects.system_gain import SystemGain
@@ -57,13 +58,14 @@ class Response:
         )
 
 
-def carried(effects: Iterable[Effect]) -> tuple[Departure, ...]:
+def carried(effects: Iterable[Effect]) -> tuple[Effect, ...]:
     """Return the departures among `effects` that a correction deals with, in physical order.
 
     Those that change single codes (`adc_dnl`, `stuck_bit`, `black_clip`) or lines of codes
-    (`duplicated_lines`) are left as they are: no response undoes them.
+    (`duplicated_lines`) are left as they are: no response undoes them. An empirical term is dealt
+    with as if it were one.
     """
-    departures = [e for e in effects if isinstance(e, Departure)]
+    departures = [e for e in effects if isinstance(e, Departure | Empirical)]
     kept = [e for e in departures if e.stage < Stage.CODES or e.name in SMOOTH_CODES]
     return tuple(sorted(kept, key=place_of))
 
@@ -86,7 +88,7 @@ class FittedChain:
         noise: Shot and read noise, for `scatter`.
     """
 
-    departures: tuple[Departure, ...]
+    departures: tuple[Effect, ...]
     vignette: Vignette
     gain: SystemGain
     gain_db: float
@@ -138,7 +140,7 @@ class FittedChain:
         return np.array(np.broadcast_to(light, shape), np.float64)
 
 
-def _exact(effect: Departure) -> Departure:
+def _exact(effect: Effect) -> Effect:
     """Return the effect splitting charge exactly, where that is one of its parameters."""
     known: Any = effect
     return replace(known, partition_noise=0.0) if hasattr(effect, "partition_noise") else effect

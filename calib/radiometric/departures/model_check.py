@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from calib.errors import InputError
 from calib.forward.departure import Departure
+from calib.forward.effects.empirical import Empirical
 from calib.forward.model import Model
 from calib.radiometric.departures.fitted_chain import carried
 from calib.recording.header import RecordingHeader
@@ -48,7 +49,7 @@ def check_model(model: Model, header: RecordingHeader, *, relative: bool) -> Non
 def model_findings(model: Model) -> Iterator[str]:
     """Yield what an operator should know of the model before the recording is looked at."""
     kept = {e.name for e in carried(model.effects)}
-    departures = [e.name for e in model.effects if isinstance(e, Departure)]
+    departures = [e.name for e in model.effects if isinstance(e, Departure | Empirical)]
     if not departures:
         yield "The model holds no departure from the plain response: nothing is corrected for."
     for name in departures:
