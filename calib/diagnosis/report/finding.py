@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from calib.diagnosis.absorbed import Absorbed
 from calib.diagnosis.findings import AMBIGUOUS, Finding
+from calib.diagnosis.words.apart import apart
 from calib.diagnosis.words.verdict import either_of, spoken
-from calib.forward.effects.catalogue import effect_named
 from calib.report.rounded import number, printed_unit, quantity
 
 Bar = tuple[str, float, str]
@@ -51,7 +51,7 @@ def finding_text(finding: Finding) -> FindingText:
             (spoken(c.effect), round(100.0 * c.probability, 1), f"{100 * c.probability:.0f} %")
             for c in finding.candidates
         ),
-        tuple(_apart(finding, c.effect) for c in finding.candidates[1:]),
+        tuple(apart(finding.effect, c.effect) for c in finding.candidates[1:]),
         tuple((n, quantity(e.value, e.std, e.unit)) for n, e in finding.parameters.items()),
         tuple(_hidden(each) for each in finding.absorbed if each.weight > 0),
     )
@@ -70,26 +70,6 @@ def _seen(finding: Finding) -> str:
     return f"{seen}; it {predicts}, {100 * finding.fraction_explained:.0f} % of what they missed."
 
 
-def _apart(finding: Finding, other: str) -> str:
-    """Return what tells `other` from the finding, by what each follows."""
-    own, kind = finding.effect, effect_named(other)
-    follows = tuple(getattr(kind, "depends_on", ()))
-    mine: list[str] = [v for v in own.depends_on if v not in follows]
-    its: list[str] = [v for v in follows if v not in own.depends_on]
-    name, rival = spoken(own.name).capitalize(), spoken(other)
-    if mine or its:
-        both = ((name, mine), (rival, its))
-        parts = [f"{who} follows {_listed(what)}" for who, what in both if what]
-        return f"{'; '.join(parts)}: a recording in which these run independently tells them apart."
-    if getattr(kind, "shows_in", "") != own.shows_in:
-        shown = _words(getattr(kind, "shows_in", ""))
-        return f"{name} shows first in {_words(own.shows_in)}, {rival} in {shown}."
-    return (
-        f"{name} and {rival} follow the same variables and differ in shape alone: more "
-        "different signals, or more lines, tell them apart."
-    )
-
-
 def _hidden(each: Absorbed) -> tuple[str, str, str, str]:
     relative = each.unit != "DN"
     size, std = (100.0 * x if relative else x for x in (each.difference, each.std))
@@ -101,12 +81,3 @@ def _hidden(each: Absorbed) -> tuple[str, str, str, str]:
         number(each.beside, spread) + unit,
         f"{quantity(size, std)} {'%' if relative else 'DN'}",
     )
-
-
-def _listed(names: list[str]) -> str:
-    words = [_words(name) for name in names]
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import FigureBase
 from numpy.typing import NDArray
 
 from calib.diagnosis.report.compared import Compared
@@ -95,7 +95,7 @@ def _maps(seen: Compared) -> tuple[Panel, ...]:
     """Return maps of the residuals by block and column, before and after."""
 
     def panel(name: str, whitened: Floats, title: str) -> Panel:
-        def draw(figure: Figure) -> None:
+        def draw(figure: FigureBase) -> None:
             axes = figure.subplots()
             pooled, _ = binned(by_column(seen, whitened))
             n_columns = seen.examined.evidence.sensor.n_columns

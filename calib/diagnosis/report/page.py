@@ -6,7 +6,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import tomli_w
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
@@ -37,6 +36,10 @@ VERDICTS = {
     "unexplained": "unexplained",
     "undiagnosed": "cannot be diagnosed",
 }
+NO_TERM = (
+    "No smooth term against signal, time, exposure, level or temperature describes it: the amended "
+    "model carries none."
+)
 
 
 def page(
@@ -106,6 +109,8 @@ def _rest(diagnosis: Diagnosis, seen: Compared | None) -> Content | None:
     if rest.term is not None:
         words = (*words, rest.term.text)
         panels = (*panels, term_panel(rest.term))
+    elif seen is not None:
+        words = (*words, NO_TERM)
     return {"text": text, "words": words, "panels": _pictures(panels)}
 
 
@@ -137,11 +142,13 @@ def _next(diagnosis: Diagnosis) -> Content:
     }.get(diagnosis.verdict, "no plan was found that would tell more.")
     if told is None:
         return {"next": None, "no_next": no_next}
-    why = str(told["why"])
-    return {
-        "next": {"why": f"{why[:1].upper()}{why[1:]}.", "plan": tomli_w.dumps(told["plan"])},
-        "no_next": no_next,
-    }
+    why = str(told["why"]).replace("_", " ")
+    if told["expected_sigma"] is not None:
+        why += (
+            f"; they then differ by {told['expected_sigma']:.1f} σ instead of "
+            f"{told['recorded_sigma']:.1f} σ, in {told['seconds']:.0f} s"
+        )
+    return {"next": {"why": f"A plan that {why}.", "plan": told["plan_toml"]}, "no_next": no_next}
 
 
 def save_page_of_undiagnosed(error: NotDeterminedError, path: Path, title: str) -> None:

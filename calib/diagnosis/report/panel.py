@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 
 from calib.report.style import BLUE, GREY, INK, ORANGE, as_svg, house_style, new_figure
 
@@ -25,7 +25,7 @@ class Panel:
     """
 
     name: str
-    draw: Callable[[Figure], None]
+    draw: Callable[[FigureBase], None]
     size: tuple[float, float] = NARROW
 
     def figure(self) -> Figure:
@@ -59,10 +59,10 @@ class Group:
     weight: float
 
 
-def on_axes(draw: Callable[[Axes], None]) -> Callable[[Figure], None]:
+def on_axes(draw: Callable[[Axes], None]) -> Callable[[FigureBase], None]:
     """Return what draws on a figure's only axes."""
 
-    def drawn(figure: Figure) -> None:
+    def drawn(figure: FigureBase) -> None:
         draw(figure.subplots())
 
     return drawn
