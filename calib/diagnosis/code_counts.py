@@ -20,6 +20,8 @@ MOST_CONTRAST = 30.0
 SMOOTH_DN2 = 0.35
 """Below this variance most samples of a pixel share a code, and their histogram is no Gaussian."""
 LOW_BITS = 6
+HANGS = 0.02
+"""A bit whose share is off from half by so much, or may be, hangs on the means."""
 ENOUGH = 50.0
 """Codes with fewer samples expected than this are not judged one by one."""
 MOST_PIXELS = 4096
@@ -87,8 +89,21 @@ class CodeCounts:
     def _bit_std(self) -> Floats:
         """Standard deviations; a bit far above the noise hangs on means, and has none."""
         shares = np.array([float(self.expected[m].sum()) / self.samples for m in self._masks])
-        smooth = np.abs(shares - 0.5) < 0.02
+        smooth = (np.abs(shares - 0.5) < HANGS) & (self._swing < HANGS)
         return np.where(smooth, 0.5 / np.sqrt(self.samples), np.inf)
+
+    @cached_property
+    def _swing(self) -> Floats:
+        """By how much each bit's share goes up and down as all means move, (6,).
+
+        A share of half may stand where it follows the means most. That of the lowest bit has two
+        phases alone, and is not told.
+        """
+        codes = np.arange(len(self.observed))
+        periods = 2.0 ** np.arange(2, LOW_BITS + 1)
+        waves = np.exp(2j * np.pi * codes / periods[:, None])
+        swing = 2.0 / np.pi * np.abs(waves @ self.expected) / self.samples
+        return np.concatenate([[0.0], swing])
 
     @cached_property
     def _judged(self) -> NDArray[np.bool_]:

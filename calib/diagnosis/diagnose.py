@@ -25,6 +25,7 @@ from calib.diagnosis.heldout import HeldOut, HeldOutDeviances
 from calib.diagnosis.joint import joint, joint_images
 from calib.diagnosis.judgement import Candidate, candidates_of
 from calib.diagnosis.known import beside, known_departures, of_known_baseline
+from calib.diagnosis.limits import limits
 from calib.diagnosis.locate import locate
 from calib.diagnosis.model import Member, Model
 from calib.diagnosis.parameter_off import ParameterOff
@@ -42,6 +43,7 @@ from calib.diagnosis.statistics.gather import gather
 from calib.diagnosis.words.in_words import in_words
 from calib.forward.model import Model as ForwardModel
 from calib.forward.parameter import parameters_of
+from calib.recording.header import RecordingHeader
 from calib.recording.protocol import Recording
 
 BASELINE = (
@@ -144,6 +146,7 @@ def examine(
         {**not_testable(evidence), **_invisible(evidence, signatures)},
         off,
         _figures(model, evidence),
+        limits(RecordingHeader(camera=evidence.table.camera, blocks=evidence.table.blocks)),
     )
     return Examination(evidence, signatures, model, in_words(diagnosis, model, evidence))
 

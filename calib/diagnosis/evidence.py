@@ -12,6 +12,7 @@ from calib.diagnosis.change import Change
 from calib.diagnosis.code_counts import CodeCounts
 from calib.diagnosis.common_noise import CommonNoise
 from calib.diagnosis.conditions_table import ConditionsTable
+from calib.diagnosis.few_samples import excess_as_normal
 from calib.diagnosis.mean_space import MeanSpace, mean_space
 from calib.diagnosis.monitor import MonitorReadings, readings_of
 from calib.diagnosis.nuisance import regressors, scene_blocks
@@ -161,7 +162,8 @@ class Evidence:
         freedom = (self.n - 1).sum() * (1.0 - 1.0 / self.counts.smallest_tap)
         misfit, growth = self.misfit(means, observed=True), self.growth(means)
         return Change(
-            means, onset, np.stack(vectors), np.stack(rare), squares / freedom - 1.0,
+            means, onset, np.stack(vectors), np.stack(rare),
+            excess_as_normal(squares / freedom, float(freedom)),
             self.code_counts.residual(),
             self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),
             misfit,

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.few_samples import lagged_variance
 from calib.diagnosis.sensor import STRETCHES, Sensor
 from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS, ResidualProducts, tap_sizes
 
@@ -17,6 +18,8 @@ Floats = NDArray[np.float64]
 ONSET_LINES = 3
 """The first lines of a block, whose means are looked at one by one."""
 
+FEWEST_LINES = 8
+"""Fourth moments of residuals about fewer lines' own mean are not those of the samples."""
 ROUNDED_DN2 = 0.6
 """Below this variance rounding makes fourth moments of its own."""
 
@@ -229,7 +232,8 @@ def expected(
     of_tap = taps / (counts.tap_size.sum(axis=0) / rows_of_tap)
     spread = float(np.sqrt((of_tap**2).mean()))
     kept = settled(n)
-    lines = kept * sensor.n_rows
+    # Rows of a frame are about their own means over the frames, lines about none of their own.
+    lines = kept if sensor.n_rows == 1 else (kept - 1) * sensor.n_rows
     tap_of_group = np.arange(sensor.n_groups) // STRETCHES
     # Taking off a line's mean mixes a pixel's variance with those of its tap.
     own = (v * (1.0 - 2.0 / size) + taps[tap_of_group] / size) / (1.0 - 1.0 / size)
@@ -251,7 +255,9 @@ def expected(
     shared = np.array([1.0 / rows for rows in counts.shared_rows.values()] or [np.inf])
     std = {
         "variance": np.sqrt((2.0 * v2 / (n - 1) + k4 / n) / some + phase**2),
-        "kurtosis": np.where(v < ROUNDED_DN2, np.inf, np.sqrt(24.0 / (n * some)) / 3.0),
+        "kurtosis": np.where(
+            (v < ROUNDED_DN2) | (n < FEWEST_LINES), np.inf, np.sqrt(24.0 / (n * some)) / 3.0
+        ),
         "rows": _std(v2, n, counts.rows),
         "partners": np.sqrt(
             float((variance**2).mean()) / (n - 1) / np.maximum(counts.partners, 1.0)
@@ -269,7 +275,7 @@ def expected(
     for k in range(LINE_LAGS):
         mean[f"lines_{k + 1}"] = -v / n * (1.0 - 1.0 / size)
         std[f"lines_{k + 1}"] = (
-            np.sqrt(v2 / max(n - 1 - k, 1) / some) if n > k + 2 else np.full_like(v, np.inf)
+            np.sqrt(v2 * lagged_variance(n, k + 1) / some) if n > k + 2 else np.full_like(v, np.inf)
         )
     empty = counts.pixels == 0
     for kind in ("variance", "kurtosis"):

@@ -5,11 +5,13 @@ from collections.abc import Sequence
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.errors import NotDeterminedError
-from calib.recording.header import RecordingHeader
+from calib.recording.header import CameraHeader, RecordingHeader
 
 FEWEST_LINES = 4
 MOST_CLIPPED = 0.5
 """A block with a larger share of its samples at full scale tells no signal."""
+FEWEST_FRAMES = 2
+"""Of an area sensor, whose rows are lines enough."""
 
 
 def check_can_be_diagnosed(header: RecordingHeader) -> None:
@@ -30,7 +32,7 @@ def check_can_be_diagnosed(header: RecordingHeader) -> None:
         )
     known = [block.lines for block in header.blocks if block.lines is not None]
     if known:
-        _check_lines(max(known))
+        _check_lines(max(known), header.camera)
 
 
 def check_determined(sums: Sequence[BlockSums], table: ConditionsTable) -> None:
@@ -40,7 +42,7 @@ def check_determined(sums: Sequence[BlockSums], table: ConditionsTable) -> None:
         sums: Of the blocks.
         table: Their conditions.
     """
-    _check_lines(max(each.n_lines for each in sums))
+    _check_lines(max(each.n_lines for each in sums), table.camera)
     top = [each.histogram[-1] / max(each.histogram.sum(), 1) for each in sums]
     clipped = [share > MOST_CLIPPED for share in top]
     seen = {dose for dose, lost in zip(table.dose, clipped, strict=True) if not lost}
@@ -54,10 +56,12 @@ def check_determined(sums: Sequence[BlockSums], table: ConditionsTable) -> None:
         )
 
 
-def _check_lines(most: int) -> None:
-    if most < FEWEST_LINES:
+def _check_lines(most: int, camera: CameraHeader) -> None:
+    lines = camera.rows is None
+    fewest, what, best = (FEWEST_LINES, "lines", 100) if lines else (FEWEST_FRAMES, "frames", 16)
+    if most < fewest:
         raise NotDeterminedError(
-            f"no block has more than {most} lines: record blocks of {FEWEST_LINES} lines or more, "
-            "best 100, to tell noise",
+            f"no block has more than {most} {what}: record blocks of {fewest} {what} or more, "
+            f"best {best}, to tell noise",
             code="too-few-lines",
         )

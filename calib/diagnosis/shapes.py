@@ -125,7 +125,7 @@ def shapes_of(kind: type[Departure], scales: Scales) -> tuple[Shape, ...]:
     shapes = []
     off_default = {n: g for n, g in grids.items() if g != (getattr(default, n),)}
     for template in _star(default, off_default):
-        shapes += _with_strength(template, strengths, told)
+        shapes += _with_strength(template, strengths, told, scales.camera)
     return tuple(shapes)
 
 
@@ -163,7 +163,10 @@ def _fitted_to_camera(kind: type[Departure], scales: Scales) -> Departure | None
 
 
 def _with_strength(
-    template: Departure, strengths: Sequence[str], told: dict[str, Parameter]
+    template: Departure,
+    strengths: Sequence[str],
+    told: dict[str, Parameter],
+    camera: CameraHeader,
 ) -> list[Shape]:
     """Return one shape for each strength alone, and of one for all where they go together."""
     tuples = [n for n in strengths if isinstance(getattr(template, n), tuple)]
@@ -191,7 +194,11 @@ def _with_strength(
     if len(strengths) > 1:
         biggest = max(size.values())
         rest = with_values(template, neutral)
-        shapes += [Shape(rest, ((n, biggest, neutral[n]),), two_sided=False) for n in strengths]
+        alone = tuple((n, biggest, neutral[n]) for n in strengths)
+        shapes += [Shape(rest, (one,), two_sided=False) for one in alone]
+        if camera.rows is not None and len(together) < len(strengths):
+            # What a line does not have, a frame may have as strongly as all else.
+            shapes.append(Shape(rest, alone, two_sided=False))
     return shapes
 
 

@@ -26,8 +26,8 @@ def as_of_long_blocks(pooled: Floats, n: int, recorded: Floats, sensor: Sensor) 
     """
     found, where = pooled.copy(), places(sensor)
     for k in range(1, LINE_LAGS + 1):
-        # n - k products of mean -v/n are divided by n - 1 - k.
-        bias = (n - k) / (n * max(n - 1 - k, 1)) - 1.0 / recorded
+        # n - k products of mean -v/n are divided by n - k.
+        bias = 1.0 / n - 1.0 / recorded
         found[:, where[f"lines_{k}"]] += bias[:, None] * pooled[:, where["variance"]]
     if sensor.n_rows > 1:
         return found

@@ -15,6 +15,8 @@ from calib.recording.protocol import Recording
 
 CUT_SIGMA = 6.5
 """A Gaussian sample in ten thousand million lies farther out."""
+FEW_LINES = 16
+"""Of so few, or fewer, no pixel's own variance tells its noise."""
 NEIGHBOURHOODS = 32
 """Of columns, in which a pixel's noise is compared with others'."""
 MOST_SAMPLES = 1 << 26
@@ -65,7 +67,7 @@ def block_sums(
     mean = sums.mean_dn.reshape(shape)
     variance = np.maximum(np.nan_to_num(sums.variance_dn2).reshape(shape), 0.1)
     # Where the light has edges, a pixel's noise is unlike that of those about it.
-    sigma = _sigma(variance, sensor) if uniform else np.sqrt(variance)
+    sigma = _sigma(variance, n, sensor) if uniform else np.sqrt(variance)
     cut = CUT_SIGMA * sigma + 1.0
     products = residual_products(samples, mean, cut, sensor.tap, sensor.n_taps, sensor.partner)
     lines = min(n, max(2, spectrum_samples // sensor.n_pixels))
@@ -82,23 +84,26 @@ def block_sums(
     )
 
 
-def _sigma(variance: Floats, sensor: Sensor) -> Floats:
-    """Return each pixel's standard deviation, held near that of its tap's others about it."""
+def _sigma(variance: Floats, n: int, sensor: Sensor) -> Floats:
+    """Return each pixel's standard deviation in `n` lines, held near its tap's others about it."""
     held = np.empty_like(variance)
     columns = np.arange(sensor.n_columns)
     edges = np.linspace(0, sensor.n_columns, min(NEIGHBOURHOODS, sensor.n_columns // 8 + 1) + 1)
     middles, bounds = (edges[1:] + edges[:-1]) / 2, edges.astype(int)
+    # The median of chi-squared over its mean (Wilson and Hilferty), far below 1 for few lines.
+    middle = (1.0 - 2.0 / (9.0 * max(n - 1, 1))) ** 3
+    own = 0.5 if n > FEW_LINES else 0.0
     for tap in range(sensor.n_taps):
         of_tap = sensor.tap == tap
         known = [
-            (x, max(float(np.median(variance[:, a:b][of_tap[:, a:b]])), 0.1))
+            (x, max(float(np.median(variance[:, a:b][of_tap[:, a:b]])) / middle, 0.1))
             for x, a, b in zip(middles, bounds[:-1], bounds[1:], strict=True)
             if of_tap[:, a:b].any()
         ]
         local = np.broadcast_to(
             np.interp(columns, [x for x, _ in known], [v for _, v in known]), variance.shape
         )
-        clipped = np.clip(variance, 0.5 * local, 1.5 * local)
+        clipped = np.clip(variance, (1.0 - own) * local, (1.0 + own) * local)
         held[of_tap] = clipped[of_tap]
     return np.sqrt(held)
 
