@@ -25,7 +25,7 @@ from calib.diagnosis.heldout import HeldOut, HeldOutDeviances
 from calib.diagnosis.joint import joint, joint_images
 from calib.diagnosis.judgement import Candidate, candidates_of
 from calib.diagnosis.known import beside, known_departures, of_known_baseline
-from calib.diagnosis.limits import limits
+from calib.diagnosis.limits import limits, too_few_frames
 from calib.diagnosis.locate import locate
 from calib.diagnosis.model import Member, Model
 from calib.diagnosis.parameter_off import ParameterOff
@@ -146,7 +146,7 @@ def examine(
         {**not_testable(evidence), **_invisible(evidence, signatures)},
         off,
         _figures(model, evidence),
-        limits(RecordingHeader(camera=evidence.table.camera, blocks=evidence.table.blocks)),
+        remarks=limits(RecordingHeader(camera=evidence.table.camera, blocks=evidence.table.blocks)),
     )
     return Examination(evidence, signatures, model, in_words(diagnosis, model, evidence))
 
@@ -176,7 +176,10 @@ def scales_of(evidence: Evidence, responder: Responder) -> Scales:
 def not_testable(evidence: Evidence) -> dict[str, str]:
     """Return what the plan lacks to show effects at all, by their names."""
     blocks, camera = evidence.table.blocks, evidence.sensor.camera
-    lacks = {kind.name: kind.why_not_testable(blocks, camera) for kind in departures()}
+    lacks = {
+        kind.name: kind.why_not_testable(blocks, camera) or too_few_frames(kind, evidence.n)
+        for kind in departures()
+    }
     return {name: lack for name, lack in lacks.items() if lack is not None}
 
 
