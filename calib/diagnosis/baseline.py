@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
+from calib.rounding import mean_square_bias
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -28,7 +29,7 @@ class Baseline:
         offset_dn: (n_rows, n_columns).
         slope: DN per radiance us, (n_rows, n_columns).
         gain_dn_per_e: System gain, (n_taps,).
-        read_variance_dn2: Rounding included, (n_taps,).
+        read_variance_dn2: With 1/12 for rounding, (n_taps,).
         dose: Radiance times exposure, radiance us, (n_blocks, n_rows, n_columns).
         mean_dn: What each pixel of each block should give, (n_blocks, n_rows, n_columns).
         variance_dn2: Of its samples, likewise.
@@ -61,13 +62,33 @@ def fit_baseline(sums: Sequence[BlockSums], table: ConditionsTable, sensor: Sens
         offset, slope = fit_lines(mean, dose, weight)
         expected = offset + slope * dose
         gain, read = fit_noise(sums, expected - offset, usable, variance, sensor)
-        variance = np.maximum(
+        straight = np.maximum(
             read[sensor.tap] + gain[sensor.tap] * (expected - offset), 0.3 * read[sensor.tap]
         )
+        variance = straight - hidden_by_rounding(straight)
         reach = CLEAR_SIGMA * np.sqrt(variance) + 0.5
         inside = (expected > floor_dn + reach) & (expected < sensor.camera.full_scale_dn - reach)
         usable = inside & (clipped < 1e-2)
     return Baseline(offset, slope, gain, read, dose, expected, variance, usable)
+
+
+def hidden_by_rounding(straight: Floats) -> Floats:
+    """Return what is missing of the variance of codes to that of noise and 1/12, DN^2.
+
+    It is the mean square of rounding's bias over all phases of the mean (`calib.rounding`): nothing
+    at half a DN of noise, 0.016 at 0.175. Left out, it falls with the signal, and gain comes out
+    too high.
+    """
+    return np.asarray(mean_square_bias(np.sqrt(np.maximum(straight - 1.0 / 12.0, 0.0))))
+
+
+def unrounded(variance_dn2: float) -> float:
+    """Return the variance of noise and 1/12 that gives codes this variance, over all phases."""
+    noise = np.linspace(0.0, 1.0, 1001)
+    straight = noise**2 + 1.0 / 12.0
+    seen = straight - hidden_by_rounding(straight)
+    found = np.interp(variance_dn2, seen, straight)
+    return float(found) if variance_dn2 < seen[-1] else float(variance_dn2)
 
 
 def lowest_pile(sums: Sequence[BlockSums]) -> int:
@@ -113,7 +134,10 @@ def fit_lines(mean: Floats, dose: Floats, weight: Floats) -> tuple[Floats, Float
 def fit_noise(
     sums: Sequence[BlockSums], signal: Floats, usable: Flags, variance: Floats, sensor: Sensor
 ) -> tuple[Floats, Floats]:
-    """Return system gain and read variance of each tap from variance against signal."""
+    """Return system gain and read variance of each tap from variance against signal.
+
+    The line is that of noise and 1/12: what rounding hides of it is put back.
+    """
     gain, read = np.zeros(sensor.n_taps), np.zeros(sensor.n_taps)
     for tap in range(sensor.n_taps):
         of_tap = sensor.tap == tap
@@ -124,7 +148,7 @@ def fit_noise(
             if not use.any() or each.n_lines < 2:
                 continue
             scale = (each.n_lines - 1) * (1.0 - 1.0 / size)
-            measured = each.products.squares[use].mean() / scale
+            measured = unrounded(each.products.squares[use].mean() / scale)
             std = np.sqrt(2.0 / (scale * use.sum())) * variance[b][use].mean()
             rows.append((signal[b][use].mean(), measured, std))
         gain[tap], read[tap] = _noise_line(np.array(rows).reshape(-1, 3))
