@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calib.diagnosis import known_strengths
 from calib.diagnosis.all_signatures import all_signatures
 from calib.diagnosis.chain_run import FittedChain
 from calib.diagnosis.contest import Contest, contribution
@@ -40,6 +41,7 @@ from calib.diagnosis.shapes import Scales, departures, shapes_of
 from calib.diagnosis.signatures import Signature
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.gather import gather
+from calib.diagnosis.steps import steps
 from calib.diagnosis.words.in_words import in_words
 from calib.forward.model import Model as ForwardModel
 from calib.forward.parameter import parameters_of
@@ -146,7 +148,11 @@ def examine(
         {**not_testable(evidence), **_invisible(evidence, signatures)},
         off,
         _figures(model, evidence),
-        remarks=limits(RecordingHeader(camera=evidence.table.camera, blocks=evidence.table.blocks)),
+        remarks=(
+            *limits(RecordingHeader(camera=evidence.table.camera, blocks=evidence.table.blocks)),
+            *steps(evidence.sums, evidence.table.names),
+            *known_strengths.remarks(m.effect for m in model.members),
+        ),
     )
     return Examination(evidence, signatures, model, in_words(diagnosis, model, evidence))
 
