@@ -38,7 +38,8 @@ class Look:
     def sigma(self, explained: float, looks: int) -> float:
         """Return how far from chance it is, in standard deviations, all looks counted."""
         deviance = self.deviance - IMPERFECT_SHARE * explained
-        if deviance <= self.freedom:
+        # Of one signal and a dark nothing is left of the means, and nothing is to be judged.
+        if self.freedom <= 0 or deviance <= self.freedom:
             return 0.0
         log_p = float(chi2.logsf(deviance, self.freedom)) + float(np.log(looks))
         if log_p < -600.0:

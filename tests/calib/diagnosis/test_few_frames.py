@@ -10,6 +10,7 @@ from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.few_samples import excess_as_normal, lagged_variance
 from calib.diagnosis.fitted_evidence import evidence_of
 from calib.diagnosis.limits import limits
+from calib.diagnosis.remainder import Look
 from calib.diagnosis.requirements import check_can_be_diagnosed
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.gather import gather
@@ -94,6 +95,12 @@ def test_one_signal_is_told_in_one_sentence_with_the_blocks_to_add(tmp_path: Pat
     assert "add flats of 250, 500, 1000, 3000 us, and darks at two exposures" in one
     assert one.count(".") == 1
     assert "8 frames or more" in few
+
+
+def test_a_look_at_nothing_is_as_chance_has_it() -> None:
+    # Of a flat and a dark each pixel's offset and slope take both means.
+    nothing = Look("mean", ("column",), 3e-55, 0.0, np.zeros(2))
+    assert nothing.sigma(0.0, 25) == 0.0
 
 
 def test_single_frames_are_refused(tmp_path: Path) -> None:

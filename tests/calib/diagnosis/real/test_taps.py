@@ -42,6 +42,8 @@ def test_what_the_taps_share_in_the_dark_is_called_unexplained(found: Examinatio
 
 def test_what_two_frames_cannot_show_is_not_named(found: Examination) -> None:
     named = {f.effect.name for f in found.diagnosis.findings}
+    # What the taps share is the same in the dark and in the light: no crosstalk of signal.
+    assert "tap_crosstalk" not in named
     for name in ("stuck_bit", "adc_dnl", "persistence", "heavy_tailed_noise"):
         assert name not in named
         assert name in found.diagnosis.not_testable

@@ -64,12 +64,13 @@ def test_neighbours_and_rows_correlate_and_that_is_seen(found: Examination) -> N
     for kind in ("columns_1", "rows"):
         where = evidence.places[kind]
         assert white[0, where].sum() / np.sqrt(4) > 8.0
-    named = {f.effect.name for f in found.diagnosis.findings}
-    assert named & {"interpixel_capacitance", "brighter_fatter"}
-    assert found.diagnosis.final.heldout_deviance < found.diagnosis.baseline.heldout_deviance - 100
+    rest = found.diagnosis.unexplained
+    assert rest is not None
+    assert rest.where.statistic == "column_covariance"
+    assert "flat" in rest.where.blocks
 
 
-def test_a_brighter_fatter_effect_beyond_all_ccds_is_doubted(found: Examination) -> None:
-    repelled = [f for f in found.diagnosis.findings if f.effect.name == "brighter_fatter"]
-    doubts = [r for r in found.diagnosis.remarks if "LSST" in r]
-    assert len(doubts) == len(repelled)
+def test_no_name_is_forced_on_what_spreads_and_was_averaged(found: Examination) -> None:
+    # Its 2 x 2 pixels and its scintillator are no effect of the catalogue.
+    assert found.diagnosis.findings == ()
+    assert found.diagnosis.verdict == "unexplained"
