@@ -8,6 +8,10 @@ With x the signal that a straight response would give (DN above the dark level),
     nonlinear          s = x·(1 − β·x), so that the variance of the codes is (1 − 2βx)²·V(x)
     quadratic          V = K·s + q·s² + σ_r², whatever bends it
 
+An exponent 2·a00·N of more than 1 is no sensor's: charge gathered would have to widen its pixel by
+half, while it repels what follows. Trials of a fit get there all the same (a sensor that lags,
+of few lines); the exponential goes on as its tangent then.
+
 To each the rounding to whole codes adds 1/12 − B² (`calib.rounding`), averaged over all phases of
 the mean; B² is nothing from half a DN of noise up. A response that bends, bends the means as well:
 the mean of s over the noise is x − β·(x² + V).
@@ -24,6 +28,8 @@ from calib.arrays import Columns
 from calib.rounding import mean_square_bias
 
 ROUNDING_DN2 = 1.0 / 12.0
+MOST_EXPONENT = 1.0
+"""Of what charge does to its own pixel."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +101,9 @@ def rounded_variance(variance_dn2: Columns) -> Columns:
 
 
 def exponential_share(t: Columns) -> Columns:
-    """Return (exp(t) − 1)/t, 1 at 0."""
+    """Return (exp(t) − 1)/t, 1 at 0; beyond `MOST_EXPONENT` exp goes on as its tangent there."""
     small = np.abs(t) < 1e-8
     safe = np.where(small, 1.0, t)
-    return np.where(small, 1.0 + 0.5 * t, np.expm1(safe) / safe)
+    within = np.minimum(safe, MOST_EXPONENT)
+    grown = np.expm1(within) + np.exp(within) * (safe - within)
+    return np.where(small, 1.0 + 0.5 * t, grown / safe)

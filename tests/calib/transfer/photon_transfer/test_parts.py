@@ -10,6 +10,7 @@ from calib.transfer.photon_transfer.cells import BlockCells
 from calib.transfer.photon_transfer.dark_level import dark_level
 from calib.transfer.photon_transfer.measure import photon_transfer
 from calib.transfer.photon_transfer.overdispersion import deviance, excess
+from calib.transfer.photon_transfer.variance_curve import MOST_EXPONENT, exponential_share
 from tests.calib.transfer.photon_transfer.simulated import GAIN, READ_DN, recording
 
 
@@ -107,3 +108,15 @@ def test_a_variance_that_scatters_more_makes_the_gain_less_sure(seed: int) -> No
     assert fit.variance_excess.flats.relative > 0.02
     assert loud.system_gain.std > 1.5 * quiet.system_gain.std
     assert abs(loud.system_gain.value - GAIN) < 4 * loud.system_gain.std
+
+
+def test_no_trial_of_a_charge_that_attracts_overflows_and_none_repelled_is_changed() -> None:
+    # Trials reach exponents of thousands where a sensor lags by 0.6 and blocks have 16 lines.
+    t = np.array([-800.0, -1.0, -1e-3, 0.0, 0.5, MOST_EXPONENT])
+    exact = np.array([1.0 if each == 0 else np.expm1(each) / each for each in t])
+    np.testing.assert_allclose(exponential_share(t), exact, rtol=1e-15)
+    beyond = np.array([1.0, 1.0 + 1e-6, 2.0, 800.0, 1e6])
+    with np.errstate(all="raise"):
+        exponential = exponential_share(beyond) * beyond
+    slope = np.diff(exponential) / np.diff(beyond)
+    np.testing.assert_allclose(slope, np.e, rtol=1e-8)
