@@ -49,13 +49,13 @@ def rows(recordings: int) -> Iterator[str]:
         radiance_error(calibrate(recording(MODEL, rng)).coefficients, _seen(MODEL, rng))
         for _ in range(recordings)
     ]
-    yield f"A camera without departures: {_rms(floor):.3f} % (noise of scenes and calibration)."
+    yield f"A camera without departures: {rms(floor):.3f} % (noise of scenes and calibration)."
     yield ""
     yield "| departure | (a) without, % | (b) true, % | (c) fitted, % | (c) / (b) |"
     yield "|---|---|---|---|---|"
     for case in CASES:
         errors = np.array([one_recording(case, rng) for _ in range(recordings)])
-        a, b, c = (_rms(column) for column in errors.T)
+        a, b, c = (rms(column) for column in errors.T)
         fitted = f"{c:.3f} | {c / b:.2f}" if case.fitted else "– | –"
         yield f"| `{case.name}` | {a:.3f} | {b:.3f} | {fitted} |"
 
@@ -64,7 +64,8 @@ def _seen(model: Model, rng: Generator) -> InMemory:
     return scenes(model, rng, SCENE_LINES)
 
 
-def _rms(values: ArrayLike) -> float:
+def rms(values: ArrayLike) -> float:
+    """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 
