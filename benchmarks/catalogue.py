@@ -5,6 +5,7 @@ from collections.abc import Callable
 from benchmarks import (
     apply,
     calibration,
+    diagnosis,
     line_fit,
     pairs,
     recording,
@@ -30,5 +31,7 @@ ROWS: dict[str, Callable[[Size], Row]] = {
     "record": recording.run,
     "calibrate-8": calibration.of_8_bits,
     "calibrate-12": calibration.of_12_bits,
+    "diagnose": diagnosis.of_5_mpix,
+    "diagnose-full": diagnosis.of_full_size,
     "mtf": transfer_function.run,
 }
