@@ -22,6 +22,7 @@ from calib.diagnosis.projection import orthonormal, without
 from calib.diagnosis.refit import misfit, refitted
 from calib.diagnosis.response import Responder
 from calib.diagnosis.scores import Score, best_by_name, scores, sharpened
+from calib.diagnosis.shapes import Shape
 from calib.diagnosis.signatures import Signature
 
 INNER_RANGE = log(100.0)
@@ -70,7 +71,9 @@ class Contest:
         if ranked and ranked[0].net > worth:
             sharper = sharpened(ranked, self.evidence, self.responder)
             again = scores(sharper, residual, directions, self.evidence)
-            ranked = [replace(s, net=s.gain - self.price_of_name(s.name)) for s in again]
+            ranked = [
+                replace(s, net=s.gain - self.price_of_shape(s.signature.shape)) for s in again
+            ]
         basis = orthonormal(directions, self.evidence)
         freed = [self._freed(score, residual, basis) for score in best_by_name(ranked)]
         return sorted(freed, key=lambda score: -score.net)
@@ -124,9 +127,9 @@ class Contest:
         """Return what a model leaves, and what its members cost."""
         return misfit(model, self.evidence) + sum(self.price_of(m) for m in model.members)
 
-    def price_of_name(self, name: str) -> float:
-        """Return the price, in deviance, of having tried all shapes of a name."""
-        return 2.0 * log(max(self.shapes.get(name, 1), 1))
+    def price_of_shape(self, shape: Shape) -> float:
+        """Return the price, in deviance, of having tried all shapes of a name, and fitted this."""
+        return 2.0 * log(max(self.shapes.get(shape.name, 1), 1)) + shape.cost
 
     def price_of(self, member: Member) -> float:
         """Return the price of a fitted member.
@@ -137,7 +140,7 @@ class Contest:
         freedom = (
             2.0 * log(INNER_RANGE / (max(std, 1e-6) * sqrt(2.0 * pi))) for std in member.std[1:]
         )
-        price = self.price_of_name(member.signature.shape.name) + PRICE * len(member.course)
+        price = self.price_of_shape(member.signature.shape) + PRICE * len(member.course)
         return price + sum(max(f, 0.0) for f in freedom)
 
 

@@ -42,6 +42,7 @@ from calib.diagnosis.signatures import Signature
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.gather import gather
 from calib.diagnosis.steps import steps
+from calib.diagnosis.told_shapes import told_shapes
 from calib.diagnosis.words.in_words import in_words
 from calib.forward.model import Model as ForwardModel
 from calib.forward.parameter import parameters_of
@@ -202,7 +203,8 @@ def signatures_of(
     """Return the signatures of all effects that this recording could show."""
     scales, lacking = scales_of(evidence, responder), not_testable(evidence)
     kinds = [kind for kind in departures() if kind.name not in lacking]
-    shapes = [shapes_of(kind, scales) for kind in kinds]
+    told = told_shapes(evidence)
+    shapes = [told[k.name] if k.name in told else shapes_of(k, scales) for k in kinds]
     return all_signatures(shapes, evidence, responder, progress)
 
 

@@ -10,7 +10,9 @@ from calib.diagnosis.chain_run import FittedChain
 from calib.diagnosis.pooled import Counts, pooled
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.gather import CUT_SIGMA
-from calib.diagnosis.statistics.rare import rare_counts, rare_trials, repeated_lines
+from calib.diagnosis.statistics.rare import RARE, rare_counts, rare_trials
+from calib.diagnosis.statistics.repeats import repeated_lines
+from calib.diagnosis.statistics.settled_mean import settled_mean
 from calib.kernels.residual_products import ResidualProducts, stacked_products
 
 Floats = NDArray[np.float64]
@@ -77,16 +79,19 @@ def drawn_of(lines: Floats, chain: FittedChain, *, coded: bool) -> Drawn:
         lines = np.clip(np.floor(lines + 0.5), 0, sensor.camera.full_scale_dn)
         again = np.stack([repeated_lines(each) for each in lines])
     kept = n - again.sum(axis=1)
-    rare, ratio = np.zeros((n_blocks, 4)), np.zeros((n_blocks, sensor.n_pixels))
+    rare, ratio = np.zeros((n_blocks, len(RARE))), np.zeros((n_blocks, sensor.n_pixels))
     counts, products, blocks, means = [], [], [], np.zeros_like(ratio)
     for m in np.unique(kept):
         which = np.flatnonzero(kept == m)
         some = lines if m == n and len(which) == n_blocks else _without(lines, again, which)
         mean, sigma = some.mean(axis=1), np.sqrt(variance[which])
-        found = stacked_products(
-            some, mean, CUT_SIGMA * sigma + 1.0, sensor.tap, sensor.n_taps, sensor.partner
-        )
         means[which] = mean.reshape(len(which), -1)
+        cut, parts = CUT_SIGMA * sigma + 1.0, (sensor.tap, sensor.n_taps, sensor.partner)
+        found = stacked_products(some, mean, cut, *parts)
+        if found.outliers.any():
+            each = zip(some, mean, cut, found.outliers, strict=True)
+            mean = np.stack([settled_mean(*block) for block in each])
+            found = stacked_products(some, mean, cut, *parts)
         rare[which] = _rare(some, mean, sigma, found, n - int(m))
         expected = variance[which] * max(m - 1, 1)
         ratio[which] = (found.squares / expected).reshape(len(which), -1)
@@ -107,9 +112,10 @@ def _without(lines: Floats, again: NDArray[np.bool_], which: NDArray[np.intp]) -
 def _rare(
     lines: Floats, mean: Floats, sigma: Floats, products: ResidualProducts, repeated: int
 ) -> Floats:
-    """Return what is counted in each block, (n, 4)."""
-    found = np.zeros((len(lines), 4))
-    found[:, 3] = repeated
+    """Return what is counted in each block, (n, n_rare)."""
+    found = np.zeros((len(lines), len(RARE)))
+    found[:, RARE.index("identical_lines")] = repeated
+    mean = mean + products.total / max(lines.shape[1], 1)
     for b in np.flatnonzero(products.outliers.any(axis=(1, 2))):
         found[b] = rare_counts(lines[b], mean[b], sigma[b], products.outliers[b], repeated)
     return found

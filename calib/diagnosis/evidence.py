@@ -9,42 +9,40 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.baseline import Baseline
 from calib.diagnosis.change import Change
-from calib.diagnosis.code_counts import CodeCounts
+from calib.diagnosis.code_counts import CodeCounts, saturated_blocks
 from calib.diagnosis.common_noise import CommonNoise
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.few_samples import excess_as_normal
+from calib.diagnosis.growing import Growing
 from calib.diagnosis.mean_space import MeanSpace, mean_space
 from calib.diagnosis.monitor import MonitorReadings, readings_of
+from calib.diagnosis.noise_directions import noise_directions
 from calib.diagnosis.nuisance import regressors, scene_blocks
 from calib.diagnosis.point import Point
 from calib.diagnosis.pooled import (
-    KINDS,
     ONSET_LINES,
     Counts,
     Pooled,
     expected,
-    grouped,
     places,
     pooled,
 )
+from calib.diagnosis.rare_space import RareSpace
 from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.standing_out import N_STEPS, misfit, steps
 from calib.diagnosis.statistics.block_sums import BlockSums
-from calib.diagnosis.statistics.rare import rare_trials
+from calib.diagnosis.statistics.gather import CUT_SIGMA
 from calib.diagnosis.tones import Peak, find_peaks
 from calib.rounding import mean_square_bias
 
 Floats = NDArray[np.float64]
 
+NEAR_EVENTS = 3.0
+"""So many samples nearly stand out for each that does."""
+LEAST_EVENTS = 0.5
+"""Of them in a group of pixels and a block: one more or less is no sign of anything."""
 TONE_ERROR = 0.08
 """Of squared amplitudes: a tone lies between two frequencies of the spectrum."""
-STEPS_SIGMA = (5.0, 9.0, 16.0, 40.0)
-"""Pixels beyond these are counted, of their variances and of their means' misfit."""
-MAD_OF_NORMAL = 0.6745
-"""Median absolute deviation of a standard normal variable."""
-CHANCE_COUNT = 0.05
-"""Variance of a count of pixels that should be 0."""
-CHANCE_RARE = np.array([0.03, 0.03, 0.03, 0.01])
-"""Likewise of what is counted in a block."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +59,7 @@ class Evidence:
         kept: Blocks that count, where some are left out.
         whole: The space of the means of all pixels, where noisy ones are left out of `space`.
         known_peaks: Of the spectra, where they have been looked for.
+        growing: Pixels that grow with the exposure: their means count, at a variance of their own.
     """
 
     sums: tuple[BlockSums, ...]
@@ -72,6 +71,7 @@ class Evidence:
     whole: MeanSpace | None = None
     kept: NDArray[np.bool_] | None = None
     known_peaks: tuple[Peak, ...] | None = None
+    growing: Growing | None = None
 
     @cached_property
     def places(self) -> dict[str, slice]:
@@ -88,16 +88,35 @@ class Evidence:
         """Lines of each block."""
         return np.array([each.n_lines for each in self.sums], np.float64)
 
+    def _fourths_of_events(self) -> Floats:
+        """Return by how much kurtosis scatters with single samples that nearly stand out.
+
+        Each of them has the fourth power of up to the cut at which samples are counted instead.
+        """
+        sigma = np.sqrt(self.baseline.variance_dn2.mean(axis=(1, 2)))[:, None]
+        samples = np.maximum(self.n[:, None] * self.counts.pixels, 1.0)
+        events = LEAST_EVENTS + NEAR_EVENTS * self.rare_space.rate[:, None] * samples
+        return np.asarray((CUT_SIGMA + 1.0 / sigma) ** 4 / (3.0 * samples) * np.sqrt(events))
+
+    @property
+    def saturated(self) -> NDArray[np.bool_]:
+        """Which blocks, (n_blocks,), have wells or codes that are full."""
+        return saturated_blocks(self.baseline)
+
     @cached_property
     def space(self) -> MeanSpace:
         """The space of the means."""
-        variance = self.baseline.variance_dn2.reshape(self.n_blocks, -1)
+        variance = self.baseline.variance_dn2.reshape(self.n_blocks, -1).copy()
+        noisy = set(self.sensor.noisy)
+        if self.growing is not None:
+            variance[:, self.growing.pixels] = self.growing.variance_dn2
+            noisy -= set(self.growing.pixels.tolist())
         sampling = variance / self.n[:, None] + mean_square_bias(
             np.sqrt(np.maximum(variance - 1.0 / 12.0, 0.0))
         )
         usable = self.baseline.usable.reshape(self.n_blocks, -1)
         weight = np.where(usable, 1.0 / np.sqrt(sampling), 0.0)
-        weight[:, list(self.sensor.noisy)] = 0.0
+        weight[:, sorted(noisy)] = 0.0
         signal = (self.baseline.mean_dn - self.baseline.offset_dn).reshape(self.n_blocks, -1)
         modes = np.concatenate([np.ones_like(signal), signal])
         lines = self.n * self.sensor.n_rows
@@ -130,9 +149,36 @@ class Evidence:
         std = np.stack([std.vector() for _, std in self.expected])
         # The noise of pixels side by side in bright and dark parts has no common level.
         std[scene_blocks(self.table)] = np.inf
+        where = self.places["kurtosis"]
+        std[:, where] = np.hypot(std[:, where], self._fourths_of_events())
+        # Where wells or codes are full, noise is not the light's.
+        std[self.saturated] = np.inf
         if self.kept is not None:
             std[~self.kept] = np.inf
         return std
+
+    @cached_property
+    def rare_space(self) -> RareSpace:
+        """Where rare events are counted."""
+        counts = np.stack([each.rare for each in self.sums])
+        variance = self.baseline.variance_dn2.mean(axis=(1, 2))
+        return RareSpace.of(counts, self.n, self.sensor.n_pixels, variance)
+
+    @cached_property
+    def rest_places(self) -> dict[str, slice]:
+        """Where each kind of statistic besides the means stands in a point's `rest`."""
+        sizes = {
+            "pooled": self.pooled_std.size,
+            "onset": self.n_blocks * ONSET_LINES,
+            "rare": self.rare_space.n_sums,
+        }
+        if self.kept is None:
+            sizes |= {"steps": 2 * N_STEPS, "codes": self.code_counts.n_numbers}
+        found, start = {}, 0
+        for kind, size in sizes.items():
+            found[kind] = slice(start, start + size)
+            start += size
+        return found
 
     @cached_property
     def code_counts(self) -> CodeCounts:
@@ -146,7 +192,7 @@ class Evidence:
 
     def observed(self) -> Change:
         """Return the differences of what was recorded from what the baseline expects."""
-        vectors, onset, rare = [], np.zeros((self.n_blocks, ONSET_LINES)), []
+        vectors, onset = [], np.zeros((self.n_blocks, ONSET_LINES))
         squares = np.zeros(self.sensor.n_pixels)
         for b, each in enumerate(self.sums):
             variance = self.baseline.variance_dn2[b]
@@ -155,19 +201,17 @@ class Evidence:
             line = each.products.line_means.mean(axis=(1, 2))
             k = min(ONSET_LINES, len(line) // 2)
             onset[b, :k] = line[:k] - line[len(line) // 2 :].mean()
-            rare.append(each.rare / rare_trials(each.n_lines, self.sensor.n_pixels))
             squares += (each.products.squares / variance).ravel()
         means = np.stack([each.mean_dn.ravel() for each in self.sums])
         means = means - self.baseline.mean_dn.reshape(means.shape)
         freedom = (self.n - 1).sum() * (1.0 - 1.0 / self.counts.smallest_tap)
-        misfit, growth = self.misfit(means, observed=True), self.growth(means)
         return Change(
-            means, onset, np.stack(vectors), np.stack(rare),
+            means, onset, np.stack(vectors), self.rare_space.seen,
             excess_as_normal(squares / freedom, float(freedom)),
             self.code_counts.residual(),
             self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),
-            misfit,
-            growth,
+            self.misfit(means, observed=True),
+            np.zeros_like(squares),
             self.monitor.observed,
         )  # fmt: skip
 
@@ -183,17 +227,16 @@ class Evidence:
         if self.kept is not None:
             gone = ~self.kept
             onset = np.where(gone[:, None], 0.0, change.onset / self._onset_std)
-            rare = np.where(gone[:, None], 0.0, change.rare / self._rare_std)
+            rare = self.rare_space.whitened(change.rare, self.kept)
             tones = np.where(gone[:, None], 0.0, change.tones / self._tone_std)
-            return Point(means, np.concatenate([pool, onset.ravel(), rare.ravel(), tones.ravel()]))
+            return Point(means, np.concatenate([pool, onset.ravel(), rare, tones.ravel()]))
         rest = np.concatenate(
             [
                 pool,
                 (change.onset / self._onset_std).ravel(),
-                (change.rare / self._rare_std).ravel(),
-                self._steps(change.pixel_variance * np.sqrt((self.n - 1).sum() / 2.0)),
-                self._steps(change.pixel_misfit),
-                self._steps(change.pixel_growth),
+                self.rare_space.whitened(change.rare),
+                steps(change.pixel_variance * np.sqrt((self.n - 1).sum() / 2.0)),
+                steps(change.pixel_misfit),
                 self.code_counts.whitened(change.codes),
                 (change.tones / self._tone_std).ravel(),
                 self.monitor.whitened(change.monitor),
@@ -204,7 +247,12 @@ class Evidence:
     def derivative(self, change: Change, about: Change) -> Point:
         """Return the whitened derivative of statistics that move by `change` from `about` on."""
         small = 0.1
-        return (self.point(about + change * small) - self.point(about)) * (1.0 / small)
+        found = (self.point(about + change * small) - self.point(about)) * (1.0 / small)
+        # Counts are whitened along a curve, and rates may be far larger than what is seen of them.
+        found.rest[self.rest_places["rare"]] = self.rare_space.derivative(
+            change.rare, about.rare, self.kept
+        )
+        return found
 
     def without_blocks(self, blocks: NDArray[np.intp]) -> "Evidence":
         """Return the evidence of the other blocks, statistics of all blocks together left out."""
@@ -255,60 +303,9 @@ class Evidence:
     @cached_property
     def _noise_directions(self) -> tuple[Floats, ...]:
         """Whitened changes of the pooled variances with each tap's gain and read noise."""
-        directions: list[Floats] = []
-        start = KINDS.index("variance")
-        assert start == 0  # noqa: S101 - variances stand first in the vector
-        groups = np.maximum(self.counts.pixels, 1.0)
-        for tap in range(self.sensor.n_taps):
-            of_tap = (self.sensor.tap == tap).astype(np.float64)
-            for b_signal in (True, False):
-                change = np.zeros_like(self.pooled_std)
-                for b in range(self.n_blocks):
-                    each = of_tap
-                    if b_signal:
-                        each = of_tap * (self.baseline.mean_dn[b] - self.baseline.offset_dn)
-                    change[b, : self.sensor.n_groups] = grouped(each, self.sensor) / groups
-                fine = np.isfinite(self.pooled_std) & (self.pooled_std > 0)
-                white = np.where(fine, change / np.where(fine, self.pooled_std, 1.0), 0.0).ravel()
-                length = float(white @ white)
-                for direction in (*directions, *directions):
-                    white = white - direction * float(direction @ white)
-                left = float(white @ white)
-                if left > 1e-9 * max(length, 1e-300):
-                    directions.append(white / np.sqrt(left))
-        return tuple(directions)
-
-    @cached_property
-    def _rare_std(self) -> Floats:
-        trials = np.stack([rare_trials(n, self.sensor.n_pixels) for n in self.n])
-        seen = np.stack([each.rare for each in self.sums])
-        level = seen.sum(axis=0) / trials.sum(axis=0) * trials
-        return np.asarray(np.sqrt(CHANCE_RARE + level) / trials)
-
-    def _steps(self, z: Floats) -> Floats:
-        """Return how many pixels stand out of all others: what all do is in the means."""
-        middle = np.median(z)
-        z = (z - middle) / max(float(np.median(np.abs(z - middle))) / MAD_OF_NORMAL, 1.0)
-        counts = np.array([(z > step).sum() for step in STEPS_SIGMA] + [(z < -5.0).sum()], float)
-        return np.asarray(counts / np.sqrt(CHANCE_COUNT + 0.1 * counts))
-
-    def growth(self, means: Floats) -> Floats:
-        """Return by how many standard deviations each pixel's means grow with the exposure."""
-        space = self.space if self.whole is None else self.whole
-        exposure = np.broadcast_to(self.table.exposure_us[:, None], means.shape)
-        direction, white = space.project(exposure), space.project(means)
-        length2 = np.einsum("bp,bp->p", direction, direction)
-        along = np.einsum("bp,bp->p", direction, white)
-        told = length2 > 1e-6 * np.maximum((space.weight**2 * exposure**2).sum(axis=0), 1e-300)
-        return np.where(told, along / np.sqrt(np.where(told, length2, 1.0)), 0.0)
+        return noise_directions(self.pooled_std, self.baseline, self.sensor, self.counts)
 
     def misfit(self, means: Floats, *, observed: bool) -> Floats:
         """Return by how many standard deviations each pixel's means, DN, miss the baseline."""
         space = self.space if self.whole is None else self.whole
-        white = space.project(means)
-        used = np.maximum((space.weight > 0).sum(axis=0) - len(space.basis), 1)
-        square = np.einsum("bp,bp->p", white, white)
-        if not observed:
-            return np.asarray(square / np.sqrt(2.0 * used))
-        third = (square / used) ** (1 / 3)
-        return np.asarray((third - (1.0 - 2.0 / (9.0 * used))) / np.sqrt(2.0 / (9.0 * used)))
+        return misfit(space, means, self.table.exposure_us, observed=observed)

@@ -10,6 +10,7 @@ from calib.diagnosis.baseline import fit_baseline
 from calib.diagnosis.common_noise import CommonNoise, fit_common_noise
 from calib.diagnosis.conditions_table import ConditionsTable
 from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.growing import growing_pixels
 from calib.diagnosis.noisy import NOISY_SIGMA, few
 from calib.diagnosis.pooled import Counts, places
 from calib.diagnosis.sensor import Sensor
@@ -22,12 +23,18 @@ def evidence_of(sums: Sequence[BlockSums], table: ConditionsTable, sensor: Senso
     plain = Evidence(
         tuple(sums), table, sensor, baseline, Counts.of(sensor), CommonNoise(0.0, 0.0, 1.0)
     )
-    noisy = noisy_pixels(plain)
+    growing = growing_pixels(sums, table, sensor, baseline)
+    noisy = np.union1d(noisy_pixels(plain), growing.pixels)
     if len(noisy) == 0:
         return replace(plain, common=_common(plain), known_peaks=plain.peaks)
     cleaned = Sensor(sensor.camera, tuple(int(p) for p in noisy))
     again = replace(
-        plain, sensor=cleaned, counts=Counts.of(cleaned), whole=plain.space, known_peaks=plain.peaks
+        plain,
+        sensor=cleaned,
+        counts=Counts.of(cleaned),
+        whole=plain.space,
+        growing=growing,
+        known_peaks=plain.peaks,
     )
     return replace(again, common=_common(again))
 

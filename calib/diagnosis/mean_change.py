@@ -10,7 +10,7 @@ from calib.diagnosis.pooled import ONSET_LINES, Counts, places, pooled
 from calib.diagnosis.sampled_lines import SampledLines, is_tone
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.gather import CUT_SIGMA
-from calib.diagnosis.statistics.rare import FAR_SIGMA, OFTEN, rare_trials
+from calib.diagnosis.statistics.rare import FAR_SIGMA, OFTEN, RARE, rare_trials
 from calib.diagnosis.tones import Peak
 from calib.forward.effect import Effect
 from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS, ResidualProducts, tap_sizes
@@ -65,7 +65,7 @@ def scatter_change(
     """
     where = places(sensor)
     moved = np.zeros((len(sampled), max(s.stop for s in where.values())))
-    rare = np.zeros((len(sampled), 4))
+    rare = np.zeros((len(sampled), len(RARE)))
     for b, each in enumerate(sampled):
         sigma = np.sqrt(variance[b])
         if np.ptp(each.change, axis=0).max() < STEADY * sigma.min():
@@ -79,7 +79,7 @@ def scatter_change(
 
 
 def _products(each: SampledLines, sigma: Floats, sensor: Sensor) -> tuple[ResidualProducts, Floats]:
-    """Return sums of products over all lines of a block, and what is counted, (4,)."""
+    """Return sums of products over all lines of a block, and what is counted, (n_rare,)."""
     n, shape = len(each.between), (sensor.n_rows, sensor.n_columns)
     r = (each.change - each.weights @ each.change).reshape(-1, *shape)
     means = np.zeros((len(r), sensor.n_rows, sensor.n_taps))
@@ -112,16 +112,19 @@ def _products(each: SampledLines, sigma: Floats, sensor: Sensor) -> tuple[Residu
 
 
 def _counted(far: Floats, lines: Floats) -> Floats:
-    """Return how often each of `RARE` happens, (4,).
+    """Return how often each of `RARE` happens, (n_rare,); what differs in single lines is no track.
 
     Args:
         far: Samples beyond the cut, standard deviations, else 0, (k, n_rows, n_columns).
         lines: For how many lines each stands, (k,).
     """
+    found = np.zeros(len(RARE))
     if not far.any():
-        return np.zeros(4)
+        return found
     often = np.tensordot(lines, far != 0.0, 1) >= OFTEN
     single = np.where(often, 0.0, far)
     above, below = (np.tensordot(lines, each, 1).sum() for each in
                     (single > FAR_SIGMA, single < -FAR_SIGMA))  # fmt: skip
-    return np.array([above, below, often.sum(), 0.0])
+    for name, count in (("above", above), ("below", below), ("noisy_pixels", often.sum())):
+        found[RARE.index(name)] = count
+    return found

@@ -14,7 +14,7 @@ from calib.diagnosis.point import Point
 from calib.diagnosis.projection import orthonormal, without
 from calib.diagnosis.rebase import rebased
 from calib.diagnosis.response import Responder
-from calib.diagnosis.signatures import change_of
+from calib.diagnosis.signatures import change_of, is_of_events
 
 Floats = NDArray[np.float64]
 
@@ -176,7 +176,9 @@ def _differentiated(
     elif by_events(member):
         others = tuple(m.effect for j, m in enumerate(members) if j != k)
         alone = change - change_of(others, evidence, responder)
-        trials, found = [], [alone * (member.signature.power / member.strength)]
+        linear = is_of_events(member.signature.shape, responder)
+        power = 1.0 if linear else member.signature.power
+        trials, found = [], [alone * (power / member.strength)]
     for name, value in member.inner.items():
         inner = {**member.inner, name: value * float(np.exp(RELATIVE_STEP))}
         trials.append((replace(member, inner=inner), RELATIVE_STEP))

@@ -119,13 +119,10 @@ def _pooled(model: Model, evidence: Evidence) -> list[Look]:
 
 
 def _rest(model: Model, evidence: Evidence) -> list[Look]:
-    start, b = evidence.pooled_std.size, evidence.n_blocks
-    rest = model.residual.rest
-    onset = rest[start : start + 3 * b].reshape(b, -1)
-    rare = rest[start + 3 * b : start + 7 * b].reshape(b, -1)
-    steps = rest[start + 7 * b : start + 7 * b + 15]
-    codes = rest[start + 7 * b + 15 : start + 7 * b + 22]
-    flat = np.zeros(b)
+    b, of = evidence.n_blocks, {k: model.residual.rest[v] for k, v in evidence.rest_places.items()}
+    onset = of["onset"].reshape(b, -1)
+    events, steps, codes = (float((of[k] ** 2).sum()) for k in ("rare", "steps", "codes"))
+    by_block, flat = evidence.rare_space.by_block(model.observed.rare), np.zeros(b)
     return [
         Look(
             "transient",
@@ -134,9 +131,9 @@ def _rest(model: Model, evidence: Evidence) -> list[Look]:
             3.0 * (b - 1),
             (onset**2).sum(1),
         ),
-        Look("tail", ("line",), float((rare**2).sum()), 4.0 * b, (rare**2).sum(axis=1)),
-        Look("mean", ("column",), float((np.maximum(steps, 0) ** 2).sum()), 10.0, flat),
-        Look("histogram", ("code",), float((codes**2).sum()), 7.0, flat),
+        Look("tail", ("line",), events, float(evidence.rare_space.n_seen), by_block),
+        Look("mean", ("column",), steps, 10.0, flat),
+        Look("histogram", ("code",), codes, float(evidence.code_counts.n_numbers), flat),
     ]
 
 

@@ -22,6 +22,7 @@ from calib.diagnosis.short_blocks import as_of_long_blocks
 from calib.diagnosis.stack import Stack
 from calib.diagnosis.statistics.rare import rare_trials
 from calib.diagnosis.tones import Peak
+from calib.forward.departure import Departure
 from calib.forward.effect import Effect, Stage
 from calib.forward.left import Left
 
@@ -152,6 +153,11 @@ class Responder:
             nothing = (None,) * len(self.chain.table.blocks)
             self._plain[draw, coded] = self._drawn((), nothing, draw, coded=coded)
         return self._plain[draw, coded]
+
+    @cached_property
+    def of_events(self) -> dict[Departure, Change]:
+        """What effects made of events change where these are dense, as far as it is known."""
+        return {}
 
     @cached_property
     def _plain(self) -> dict[tuple[int, bool], Drawn]:

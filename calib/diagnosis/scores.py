@@ -82,7 +82,8 @@ def scores(
             free = FREE if each.shape.inner else 1.0
             amplitude = min(max(amplitude, 1.0 / free), free)
         gain = length2 * amplitude * (2.0 * along / length2 - amplitude)
-        found.append(Score(each, amplitude, gain, gain - 2.0 * log(tried[each.shape.name])))
+        net = gain - each.shape.cost - 2.0 * log(tried[each.shape.name])
+        found.append(Score(each, amplitude, gain, net))
     return sorted(found, key=lambda score: -score.net)
 
 

@@ -53,11 +53,18 @@ class Shape:
         template: The effect at strength 1, and what its other parameters are.
         varied: The parameters that the strength scales, with their values at strength 1.
         two_sided: Whether the strength may be negative.
+        freedom: How many numbers were fitted to the recording to arrive at this shape.
     """
 
     template: Departure
     varied: tuple[tuple[str, float | tuple[float, ...], float], ...]
     two_sided: bool
+    freedom: float = 0.0
+
+    @property
+    def cost(self) -> float:
+        """Deviance that it explains by chance: what it was fitted to is what it is tried on."""
+        return 2.0 * self.freedom
 
     @property
     def name(self) -> str:
@@ -87,6 +94,8 @@ class Shape:
     @property
     def inner(self) -> tuple[str, ...]:
         """The positive numbers besides the strength that a fit may move, those at a bound not."""
+        if self.freedom:
+            return ()
         told, varied = parameters_of(type(self.template)), {name for name, _, _ in self.varied}
         return tuple(
             name

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.change import Change
+from calib.diagnosis.events import change_of_events, density_of
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.monitor import light_change
 from calib.diagnosis.point import Point
@@ -22,6 +23,8 @@ AIM = 12.0
 """Strengths are chosen so that signatures are about so many standard deviations long."""
 NEAR = 20.0
 """Lengths that differ from that by less than this factor do."""
+TOLD = ("pixels", "widths_dn")
+"""Parameters that tell what a pattern's seed would draw."""
 FEWEST_SIGMA = 1e-2
 """A signature shorter than this is rounding."""
 
@@ -79,6 +82,8 @@ def signature(
     if found.length < FEWEST_SIGMA:
         return None
     power = 1.0 if shape.two_sided or shape.fixed else _power(tried)
+    if is_of_events(shape, responder):
+        power = _power_of_events(found, evidence, responder)
     return Signature(shape, found.strength, found.change, found.point, found.length, power)
 
 
@@ -94,7 +99,20 @@ def retaken(
     power = one.power
     if not one.shape.two_sided:
         power = _power([(one.strength, one.length), (abs(strength), again.length)])
+    if is_of_events(one.shape, responder):
+        power = _power_of_events(again, evidence, responder)
     return replace(again, power=power)
+
+
+def is_of_events(shape: Shape, responder: Responder) -> bool:
+    """Return whether the strength of a shape is how dense its events are."""
+    return not shape.fixed and density_of(shape.template, responder) is not None
+
+
+def _power_of_events(one: Signature, evidence: Evidence, responder: Responder) -> float:
+    """Return the power where a signature was taken: counts are whitened along a curve."""
+    more = _taken(one.shape, 1.2 * one.strength, evidence, responder, once=True)
+    return _power([(one.strength, one.length), (more.strength, more.length)])
 
 
 def _power(tried: list[tuple[float, float]]) -> float:
@@ -139,12 +157,20 @@ def change_of(
     Not so where `once`, which tells the size of a change and no more; what that gave may be told
     as `first`.
     """
+    dense = {e: density for e in effects if (density := density_of(e, responder)) is not None}
+    if dense:
+        parts = [change_of_events(e, density, responder) for e, density in dense.items()]
+        others = tuple(e for e in effects if e not in dense)
+        if others or responder.plain is not None:
+            parts.append(change_of(others, evidence, responder, once=once))
+        return _with_misfit(sum(parts[1:], parts[0]), evidence)
     coded = any(effect.stage >= Stage.CODES for effect in effects)
     if first is None:
         first = _with_misfit(responder.change(effects), evidence)
     others = effects if coded else tuple(_other_pattern(effect) for effect in effects)
     if not once and any(needs_two_draws(effect, responder) for effect in effects):
-        first = _reproduced(first, responder.change(others, draw=1), evidence)
+        exact = not any(e.stochastic or _other_pattern(e) != e for e in effects)
+        first = _reproduced(first, responder.change(others, draw=1), evidence, exact=exact)
         if others == effects and not coded:
             # Events of single lines are no property of a pixel, however few lines are drawn.
             nothing = np.zeros_like(first.pixel_misfit)
@@ -157,21 +183,29 @@ def change_of(
 def _with_misfit(change: Change, evidence: Evidence) -> Change:
     """Return the change with what it does to single pixels, whose places nobody knows."""
     misfit = evidence.misfit(change.means, observed=False)
-    return replace(change, pixel_misfit=misfit, pixel_growth=evidence.growth(change.means))
+    return replace(change, pixel_misfit=misfit)
 
 
 def _other_pattern(effect: Departure) -> Departure:
-    """Return the effect on another sensor of its kind: the places of its pixels are unknown."""
+    """Return the effect on another sensor of its kind: the places of its pixels are unknown.
+
+    Where they are told, it is the same.
+    """
+    told = parameters_of(type(effect))
+    if any(getattr(effect, name) for name in TOLD if name in told):
+        return effect
     seeds = {n: getattr(effect, n) + 1 for n in parameters_of(type(effect)) if n.endswith("seed")}
     return with_values(effect, seeds) if seeds else effect
 
 
-def _reproduced(one: Change, other: Change, evidence: Evidence) -> Change:
+def _reproduced(one: Change, other: Change, evidence: Evidence, *, exact: bool) -> Change:
     """Return the mean of two draws, each part of it shrunk by how badly the other repeats it."""
     half = (one + other) * 0.5
     signal = (evidence.baseline.mean_dn - evidence.baseline.offset_dn).reshape(one.means.shape)
-    smooth = [_along_profile(each.means, signal) for each in (one, other)]
-    means = _shrunk(smooth[0], smooth[1])
+    means = one.means
+    if not exact:
+        smooth = [_along_profile(each.means, signal) for each in (one, other)]
+        means = _shrunk(smooth[0], smooth[1])
     std = evidence.pooled_std
     fine = np.isfinite(std) & (std > 0)
     white = [np.where(fine, c.pooled / np.where(fine, std, 1.0), 0.0) for c in (one, other)]

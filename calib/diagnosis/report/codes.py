@@ -4,10 +4,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from calib.diagnosis.code_counts import LOW_BITS
+from calib.diagnosis.code_counts import CLASSES
 from calib.diagnosis.report.compared import Compared
 from calib.diagnosis.report.panel import AFTER, BEFORE, QUIET, RECORDED, Group, Panel, on_axes
-from calib.diagnosis.statistics.rare import RARE, rare_trials
+from calib.diagnosis.statistics.rare import FLIPS, RARE, rare_trials
 
 Floats = NDArray[np.float64]
 
@@ -15,18 +15,21 @@ WINDOW = 64
 """Codes that are drawn one by one."""
 ENOUGH = 30.0
 """Codes of which fewer samples are expected are not drawn."""
-_RARE_WORDS = ("far above", "far below", "noisy pixels", "lines twice")
+_RARE_WORDS = (
+    "above", "below", "tracks", "noisy pixels", "lines twice",
+    "bit raised", "bit lowered",
+)  # fmt: skip
 
 
 def codes_group(seen: Compared, weight: float) -> Group:
-    """Return the comb of codes, and how often each low bit is set."""
+    """Return the samples by code, and by its remainder after 16."""
     caption = (
         "Samples by code over what smooth noise would give, ± chance, where most samples are, and "
-        "how often each of the low bits is set beyond that (orange: recorded; blue: what is left)."
+        "how often each remainder after 16 comes beyond that (orange: recorded; blue: left)."
     )
     panels = (
         Panel("codes-comb", on_axes(lambda axes: _comb(seen, axes)), (5.0, 2.6)),
-        Panel("codes-bits", on_axes(lambda axes: _bits(seen, axes))),
+        Panel("codes-classes", on_axes(lambda axes: _classes(seen, axes))),
     )
     return Group("codes", "Codes", caption, panels, weight)
 
@@ -64,29 +67,36 @@ def _comb(seen: Compared, axes: Axes) -> None:
     axes.set(title="samples by code", xlabel="code, DN", ylabel="recorded over expected")
 
 
-def _bits(seen: Compared, axes: Axes) -> None:
+def _classes(seen: Compared, axes: Axes) -> None:
     counts, change = seen.examined.evidence.code_counts, seen.examined.model.change
-    before = counts.whitened(seen.examined.model.observed.codes)[:LOW_BITS]
-    x = np.arange(LOW_BITS)
+    before = counts.whitened(seen.examined.model.observed.codes)[:CLASSES]
+    x = np.arange(CLASSES)
     axes.bar(x - 0.2, before, 0.36, color=BEFORE)
     if change is not None:
-        after = before - counts.whitened(change.codes)[:LOW_BITS]
+        after = before - counts.whitened(change.codes)[:CLASSES]
         axes.bar(x + 0.2, after, 0.36, color=AFTER)
     axes.axhline(0.0, color=QUIET, lw=0.8)
-    axes.set(title="low bits", xlabel="bit", ylabel="standard deviations")
+    axes.set(title="the comb", xlabel="code modulo 16", ylabel="standard deviations")
 
 
 def _rare(seen: Compared, axes: Axes) -> None:
     evidence, model = seen.examined.evidence, seen.examined.model
     trials = np.stack([rare_trials(n, evidence.sensor.n_pixels) for n in evidence.n])
     recorded = np.stack([each.rare for each in evidence.sums]).sum(axis=0)
-    x = np.arange(len(RARE))
-    axes.bar(x - 0.2, recorded, 0.36, color=RECORDED, label="recorded")
+    x = np.arange(len(_RARE_WORDS))
+    axes.bar(x - 0.2, _by_word(recorded), 0.36, color=RECORDED, label="recorded")
     if model.change is not None:
         expected = np.maximum((model.change.rare * trials).sum(axis=0), 0.0)
-        axes.bar(x + 0.2, expected, 0.36, color=AFTER, label="with what was found")
-    axes.set_xticks(x, _RARE_WORDS)
+        axes.bar(x + 0.2, _by_word(expected), 0.36, color=AFTER, label="with what was found")
+    axes.set_xticks(x, _RARE_WORDS, rotation=35.0, ha="right")
     axes.set_yscale("symlog", linthresh=1.0)
     top = 3.0 * max(float(recorded.max()), 1.0)
     axes.set(title="counts", ylabel="in all blocks", ylim=(0.0, top))
     axes.legend(loc="upper right")
+
+
+def _by_word(counts: Floats) -> Floats:
+    """Return counts, (n_rare,), with those of all bits together."""
+    single = len(RARE) - 2 * FLIPS
+    bits = counts[single:].reshape(2, FLIPS).sum(axis=1)
+    return np.concatenate([counts[:single], bits])

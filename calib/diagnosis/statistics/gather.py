@@ -8,15 +8,17 @@ from scipy import fft
 
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import PADDING, BlockSums, Floats
-from calib.diagnosis.statistics.rare import rare_counts, repeated_lines
+from calib.diagnosis.statistics.rare import rare_counts
+from calib.diagnosis.statistics.repeats import repeated_lines
+from calib.diagnosis.statistics.settled_mean import settled_mean
 from calib.kernels.residual_products import residual_products
 from calib.kernels.sums import line_sums
 from calib.recording.protocol import Recording
 
-CUT_SIGMA = 6.5
-"""A Gaussian sample in ten thousand million lies farther out."""
 FEW_LINES = 16
 """Of so few, or fewer, no pixel's own variance tells its noise."""
+CUT_SIGMA = 5.0
+"""A Gaussian sample in two million lies farther out."""
 NEIGHBOURHOODS = 32
 """Of columns, in which a pixel's noise is compared with others'."""
 MOST_SAMPLES = 1 << 26
@@ -70,10 +72,14 @@ def block_sums(
     sigma = _sigma(variance, n, sensor) if uniform else np.sqrt(variance)
     cut = CUT_SIGMA * sigma + 1.0
     products = residual_products(samples, mean, cut, sensor.tap, sensor.n_taps, sensor.partner)
+    if products.outliers.any():
+        mean = settled_mean(samples, mean, cut, products.outliers)
+        products = residual_products(samples, mean, cut, sensor.tap, sensor.n_taps, sensor.partner)
+    mean = mean + products.total / n
     lines = min(n, max(2, spectrum_samples // sensor.n_pixels))
     return BlockSums(
         n,
-        mean + products.total / n,
+        mean,
         ((sums.at_zero + sums.at_full_scale) / n).reshape(shape),
         products,
         sigma,

@@ -1,47 +1,38 @@
-"""What is counted: samples that stand out, pixels that often do, lines that come twice."""
+"""What is counted: single samples that stand out, pixels that often do, lines that come twice.
+
+Each sample that stands out is counted once: as part of a track where a neighbour stands out with
+it, as a flipped bit where it lies a power of two away from where its pixel is, and so far that few
+others do, else by its sign. Sizes are not told apart: charges have tails of their own, and what is
+left of a few events would be taken for something else.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Whole = NDArray[np.intp]
 
-RARE = ("outliers_above", "outliers_below", "noisy_pixels", "identical_lines")
+SINGLE = ("above", "below", "tracks")
+FLIPS = 16
+"""Bits that may flip; those that a camera does not have never do."""
+RARE = (
+    *SINGLE,
+    "noisy_pixels",
+    "identical_lines",
+    *(f"raised_{bit}" for bit in range(FLIPS)),
+    *(f"lowered_{bit}" for bit in range(FLIPS)),
+)
 """Names of the counts."""
-FAR_SIGMA = 7.5
+FAR_SIGMA = 6.0
 """Samples farther out than this are counted."""
-FEWEST_PIXELS = 8
-"""Lines of so few pixels may be alike by chance."""
-MOST_PAIRS = 64
-"""Of neighbouring lines, that tell how often pixels are alike by chance."""
-UNLIKELY = 1e-3
-"""So many repeated lines of a block may be expected by chance."""
+VERY_FAR_SIGMA = 12.0
+"""Flipped bits are told from others only where few others lie, farther out than this."""
+BESIDE_SIGMA = 4.5
+"""A neighbour beyond this belongs to the same track."""
+FLIP_SIGMA = 2.5
+"""A sample is one flipped bit away from where its pixel is to within so much."""
 OFTEN = 3
 """Outliers in one pixel and block that make it a noisy one: no accident of single samples."""
-
-
-def repeated_lines(samples: NDArray[np.generic]) -> NDArray[np.bool_]:
-    """Return which lines, (n_lines,), repeat the one before them code for code.
-
-    None where the noise is so low that lines are alike by chance.
-
-    Args:
-        samples: (n_lines, n_rows, n_columns).
-    """
-    flat = samples.reshape(len(samples), -1)
-    repeated = np.zeros(len(flat), bool)
-    if flat.shape[1] <= FEWEST_PIXELS:
-        return repeated
-    # A few pixels tell most lines apart.
-    few = (flat[1:, :FEWEST_PIXELS] == flat[:-1, :FEWEST_PIXELS]).all(axis=1)
-    at = np.flatnonzero(few) + 1
-    at = at[[np.array_equal(flat[k], flat[k - 1]) for k in at]] if len(at) else at
-    if len(at) == 0:
-        return repeated
-    repeated[at] = True
-    different = np.flatnonzero(~repeated[1:])[:MOST_PAIRS] + 1
-    alike = (flat[different] == flat[different - 1]).mean(axis=0) if len(different) else np.ones(1)
-    by_chance = len(flat) * np.exp(np.log(np.maximum(alike, 1.0 / MOST_PAIRS)).sum())
-    return repeated if by_chance < UNLIKELY else np.zeros(len(flat), bool)
 
 
 def rare_counts(
@@ -51,25 +42,68 @@ def rare_counts(
     outliers: NDArray[np.int64],
     repeated: int,
 ) -> Floats:
-    """Return how often each of `RARE` happens in a block, (4,).
+    """Return how often each of `RARE` happens in a block, (n_rare,).
 
     Args:
         samples: (n_lines, n_rows, n_columns).
-        mean: Of each pixel, (n_rows, n_columns).
+        mean: Of each pixel without outliers, (n_rows, n_columns).
         sigma: Its standard deviation, likewise.
         outliers: How many samples of each pixel are beyond the cut, likewise.
-        repeated: Lines that were left out since they repeat the one before.
+        repeated: Lines that were left out since they repeat one before.
     """
-    flat = samples.reshape(len(samples), -1)
-    often = outliers.ravel() >= OFTEN
+    counts = np.zeros(len(RARE))
+    often = _often(outliers.ravel())
+    counts[len(SINGLE) : len(SINGLE) + 2] = often.sum(), repeated
     single = np.flatnonzero((outliers.ravel() > 0) & ~often)
-    size = (flat[:, single].astype(np.float64) - mean.ravel()[single]) / sigma.ravel()[single]
-    return np.array(
-        [(size > FAR_SIGMA).sum(), (size < -FAR_SIGMA).sum(), often.sum(), repeated], np.float64
-    )
+    flat = samples.reshape(len(samples), -1)
+    off_dn = flat[:, single].astype(np.float64) - mean.ravel()[single]
+    line, k = np.nonzero(np.abs(off_dn) > FAR_SIGMA * sigma.ravel()[single])
+    off_dn, pixel = off_dn[line, k], single[k]
+    size = off_dn / sigma.ravel()[pixel]
+    track = _has_neighbour(samples, mean, sigma, line, pixel)
+    bit, flipped = _flipped(off_dn, sigma.ravel()[pixel])
+    far = np.abs(size) > VERY_FAR_SIGMA
+    kind = np.where(size > 0, 0, 1)
+    kind = np.where(far & flipped, len(SINGLE) + 2 + bit + np.where(size > 0, 0, FLIPS), kind)
+    kind = np.where(track, RARE.index("tracks"), kind)
+    return counts + np.bincount(kind, minlength=len(RARE))
 
 
 def rare_trials(n_lines: float, n_pixels: int) -> Floats:
-    """Return how often each of `RARE` could have happened, (4,)."""
-    samples = n_lines * n_pixels
-    return np.array([samples, samples, n_pixels, max(n_lines - 1, 1)], np.float64)
+    """Return how often each of `RARE` could have happened, (n_rare,)."""
+    trials = np.full(len(RARE), n_lines * n_pixels)
+    trials[len(SINGLE) : len(SINGLE) + 2] = n_pixels, max(n_lines - 1, 1)
+    return trials
+
+
+def _often(outliers: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return which pixels, (n_pixels,), have more outliers than any would by chance of all."""
+    typical = float(np.minimum(outliers, np.median(outliers) + OFTEN).mean())
+    return np.asarray(outliers >= OFTEN + typical + 6.0 * np.sqrt(typical))
+
+
+def _flipped(off_dn: Floats, sigma: Floats) -> tuple[Whole, NDArray[np.bool_]]:
+    """Return the bit nearest to each deviation, and whether it alone explains it."""
+    size = np.maximum(np.abs(off_dn), 1.0)
+    bit = np.clip(np.rint(np.log2(size)), 0, FLIPS - 1).astype(np.intp)
+    flipped = np.abs(size - np.exp2(bit)) < FLIP_SIGMA * sigma
+    return bit, np.asarray(flipped)
+
+
+def _has_neighbour(
+    samples: NDArray[np.generic], mean: Floats, sigma: Floats, line: Whole, pixel: Whole
+) -> NDArray[np.bool_]:
+    """Return which samples have a neighbour in their line, or frame, that is raised with them."""
+    n_rows, n_columns = mean.shape
+    row, column = np.divmod(pixel, n_columns)
+    found = np.zeros(len(line), bool)
+    for down in (-1, 0, 1):
+        for along in (-1, 0, 1):
+            r, c = row + down, column + along
+            inside = (
+                (r >= 0) & (r < n_rows) & (c >= 0) & (c < n_columns) & ((down, along) != (0, 0))
+            )
+            r, c = np.where(inside, r, 0), np.where(inside, c, 0)
+            beside = samples[line, r, c].astype(np.float64) - mean[r, c]
+            found |= inside & (beside > BESIDE_SIGMA * sigma[r, c])
+    return found

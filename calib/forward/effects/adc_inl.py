@@ -2,7 +2,7 @@
 
 Source: IEEE Std 1241-2010, Terminology and test methods for analog-to-digital converters: INL is
 the deviation of the code transitions from a straight line, here the one through both ends. The
-smooth part of it is written as the first sines that vanish at both ends.
+smooth part of it is written as the first sines that vanish at both ends, three or more of them.
 """
 
 from collections.abc import Sequence
@@ -32,6 +32,7 @@ class AdcInl(Departure):
         bow_dn: Height of the first sine, a bow.
         s_dn: Of the second, an S.
         w_dn: Of the third, a W.
+        higher_dn: Of the fourth and so on.
         bit_depth: That of the camera; full scale is 2^bit_depth - 1.
     """
 
@@ -48,12 +49,13 @@ class AdcInl(Departure):
     bow_dn: float = parameter(0.0, unit="DN", low=-1e3, high=1e3, neutral=0.0)
     s_dn: float = parameter(1.0, unit="DN", low=-1e3, high=1e3, neutral=0.0)
     w_dn: float = parameter(0.5, unit="DN", low=-1e3, high=1e3, neutral=0.0)
+    higher_dn: tuple[float, ...] = parameter((), unit="DN", low=-1e3, high=1e3)
     bit_depth: int = parameter(12, unit="bit", low=8, high=16)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """DN in and out, not yet rounded, (n_lines, *sample)."""
         x = np.pi * np.clip(signal / ((1 << self.bit_depth) - 1), 0.0, 1.0)
-        heights = (self.bow_dn, self.s_dn, self.w_dn)
+        heights = (self.bow_dn, self.s_dn, self.w_dn, *self.higher_dn)
         return np.asarray(signal + sum(h * np.sin(k * x) for k, h in enumerate(heights, start=1)))
 
     def check_camera(self, camera: CameraHeader) -> None:

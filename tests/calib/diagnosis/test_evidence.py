@@ -40,7 +40,10 @@ def test_what_the_baseline_expects_is_what_clean_recordings_show(sensor: str) ->
         # Twelve kinds on four sensors: 5 standard errors are exceeded once in 30,000 runs. Chi-
         # squared statistics of line means are skewed, and gain and read noise were fitted.
         assert abs(pooled.mean()) < 5.0 / np.sqrt(len(pooled)), kind
-        assert abs(pooled.std() - 1.0) < 5.0 / np.sqrt(2 * len(pooled)) + 0.07, kind
+        allowed = 5.0 / np.sqrt(2 * len(pooled)) + 0.07
+        assert pooled.std() - 1.0 < allowed, kind
+        # Kurtosis allows for single samples that nearly stand out, of which clean noise has none.
+        assert kind == "kurtosis" or pooled.std() - 1.0 > -allowed, kind
 
 
 def test_means_scatter_as_much_as_their_weights_say() -> None:

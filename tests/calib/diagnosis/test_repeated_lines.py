@@ -2,7 +2,8 @@ import numpy as np
 
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.gather import block_sums
-from calib.diagnosis.statistics.rare import RARE, repeated_lines
+from calib.diagnosis.statistics.rare import RARE
+from calib.diagnosis.statistics.repeats import repeated_lines
 from calib.recording.header import CameraHeader
 
 CAMERA = CameraHeader(columns=64, bit_depth=12)
@@ -26,3 +27,12 @@ def test_lines_that_come_twice_are_counted_and_left_out_of_all_else() -> None:
 def test_lines_that_are_alike_since_there_is_no_noise_are_kept() -> None:
     assert not repeated_lines(noise(50, 0.05)).any()
     assert not repeated_lines(noise(50, 2.0)).any()
+
+
+def test_halves_of_lines_and_pairs_of_lines_are_found() -> None:
+    half = noise(50, 2.0)
+    half[21, :, 32:] = half[20, :, 32:]
+    assert np.flatnonzero(repeated_lines(half)).tolist() == [21]
+    pair = noise(50, 2.0)
+    pair[30:32] = pair[28:30]
+    assert np.flatnonzero(repeated_lines(pair)).tolist() == [30, 31]

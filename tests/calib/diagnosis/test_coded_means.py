@@ -1,0 +1,41 @@
+import numpy as np
+from numpy.random import default_rng
+from scipy.stats import norm
+
+from calib.diagnosis.chain_run import FittedChain
+from calib.diagnosis.coded_means import NODES, coded_means
+from calib.forward.effects.black_clip import BlackClip
+from calib.forward.effects.stuck_bit import StuckBit
+from tests.calib.diagnosis.recordings import plain_model, plan, recorded
+
+
+def fitted_chain() -> FittedChain:
+    rng = default_rng()
+    evidence = recorded(plain_model(64), plan(rng, 20), rng)
+    return FittedChain(evidence.baseline, evidence.table, evidence.sensor)
+
+
+def test_a_stop_raises_means_by_what_the_normal_distribution_has_below_it() -> None:
+    chain, level, std = fitted_chain(), 60, 3.0
+    mean = np.linspace(56.0, 70.0, 64)
+    moved = coded_means(
+        chain,
+        (BlackClip(level),),
+        chain.table.at(0, np.zeros(1)),
+        mean,
+        np.full(64, std**2 + 1 / 12),
+    )
+    below = (level - mean) / std
+    expected = std * (below * norm.cdf(below) + norm.pdf(below))
+    # Quantiles leave out what lies beyond the last of them.
+    np.testing.assert_allclose(moved, expected, atol=2.0 * std / NODES)
+
+
+def test_a_bit_that_always_sticks_sets_it_and_moves_nothing_else() -> None:
+    chain = fitted_chain()
+    mean = np.full(64, 64.0)
+    mean[32:] = 72.0
+    moved = coded_means(
+        chain, (StuckBit(1.0, 3, 1),), chain.table.at(0, np.zeros(1)), mean + 3.5, np.full(64, 0.2)
+    )
+    np.testing.assert_allclose(moved, np.where(mean == 64.0, 8.0, 0.0), atol=0.01)

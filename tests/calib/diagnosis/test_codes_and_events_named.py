@@ -1,0 +1,25 @@
+import pytest
+from numpy.random import default_rng
+
+from calib.diagnosis.diagnose import examine
+from calib.forward.effect import Effect
+from calib.forward.effects.black_clip import BlackClip
+from calib.forward.effects.cosmic_rays import CosmicRays
+from calib.forward.effects.duplicated_lines import DuplicatedLines
+from calib.forward.effects.hot_pixels import HotPixels
+from tests.calib.diagnosis.recordings import plain_model, plan, recorded
+
+HOT = HotPixels(pixels=(7, 30, 80), rates_e_per_us=(0.3, 0.4, 0.6))
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [HOT, CosmicRays(per_pixel_s=0.5, electrons=1000.0), BlackClip(62), DuplicatedLines(0.01)],
+    ids=lambda effect: effect.name,
+)
+def test_what_lives_in_single_samples_pixels_and_codes_is_named_alone(effect: Effect) -> None:
+    rng = default_rng()
+    evidence = recorded(plain_model(96), plan(rng, 100, twice=0), rng, (effect,))
+    diagnosis = examine(evidence).diagnosis
+    assert [finding.effect.name for finding in diagnosis.findings][:1] == [effect.name]
+    assert diagnosis.verdict != "unexplained"
