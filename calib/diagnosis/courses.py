@@ -101,4 +101,5 @@ def _scaled(change: Change, by_block: np.ndarray[tuple[int], np.dtype[np.float64
         nothing,
         means=change.means * by_block[:, None],
         pooled=change.pooled * by_block[:, None],
+        monitor=change.monitor * by_block,
     )

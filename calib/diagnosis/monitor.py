@@ -34,26 +34,28 @@ class MonitorReadings:
     Attributes:
         observed: Logarithm of each reading over the nominal radiance, (n_blocks,); 0 where unread.
         group: Which blocks share a level and a session, (n_blocks,); -1 where unread.
+        started_s: When they began, (n_blocks,).
     """
 
     observed: Columns
     group: NDArray[np.intp]
+    started_s: Columns
 
     @cached_property
     def std(self) -> float:
-        """Standard deviation of an observed value: from second differences, which no drift feels.
+        """Standard deviation of an observed value: how each lies between its neighbours in time.
 
-        Source: von Neumann et al., The mean square successive difference, Ann. Math. Stat. 12, 153
-        (1941), one order higher: a second difference of white readings has 6 times their variance.
+        A steady drift does not change that. Source: von Neumann et al., The mean square successive
+        difference, Ann. Math. Stat. 12, 153 (1941), one order higher, for uneven times.
         """
-        curved = [
-            np.diff(self.observed[self.group == g], 2)
+        of_groups = [
+            _between(self.observed[self.group == g], self.started_s[self.group == g])
             for g in range(int(self.group.max(initial=-1)) + 1)
         ]
-        second = np.concatenate([np.zeros(0), *curved])
-        if len(second) < FEWEST - 2:
+        off = np.concatenate([np.zeros(0), *of_groups])
+        if len(off) < FEWEST - 2:
             return UNKNOWN_STD
-        return float(np.hypot(np.sqrt((second**2).mean() / 6.0), LEAST_STD))
+        return float(np.hypot(np.sqrt((off**2).mean()), LEAST_STD))
 
     def whitened(self, change: NDArray[np.float64]) -> Columns:
         """Return a change of the readings without each group's mean, over its std, (n_blocks,)."""
@@ -75,7 +77,17 @@ def readings_of(table: ConditionsTable) -> MonitorReadings:
             continue
         group[b] = groups.setdefault((sessions[b], block.level), len(groups))
         observed[b] = np.log(block.monitor / radiance)
-    return MonitorReadings(observed, group)
+    return MonitorReadings(observed, group, table.started_s)
+
+
+def _between(values: Columns, at_s: Columns) -> Columns:
+    """Return what values miss the line between their neighbours by, of their own variance."""
+    if len(values) < 3:
+        return np.zeros(0)
+    whole = at_s[2:] - at_s[:-2]
+    share = np.where(whole > 0, (at_s[1:-1] - at_s[:-2]) / np.where(whole > 0, whole, 1.0), 0.5)
+    off = values[1:-1] - (1.0 - share) * values[:-2] - share * values[2:]
+    return np.asarray(off / np.sqrt(1.0 + (1.0 - share) ** 2 + share**2))
 
 
 def light_change(effects: Sequence[Departure], table: ConditionsTable) -> Columns:

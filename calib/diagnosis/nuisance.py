@@ -22,7 +22,7 @@ def regressors(table: ConditionsTable, shape: tuple[int, int]) -> tuple[Floats, 
     found = [even, dose]
     for name in sorted(table.estimated):
         seen = np.array([block.scene == name for block in table.blocks])
-        found.append(dose * seen[:, None])
+        found.append(table.exposure_us * seen)
     for session in range(1, max(table.sessions, default=0) + 1):
         later = np.array([float(k == session) for k in table.sessions])
         found += [later, dose * later[:, None]]

@@ -44,7 +44,7 @@ def options(evidence: Evidence, bench: BenchTime) -> tuple[Option, ...]:
     """Return the plans, those that saturate left out."""
     family = _Family(evidence, bench)
     found = [*family.darks(), *family.orders(), *family.in_time(), *family.levels()]
-    found += [*family.scenes(), *family.longer(), *family.warmer()]
+    found += [*family.darks_and_levels(), *family.scenes(), *family.longer(), *family.warmer()]
     return tuple(option for option in found if option.plan)
 
 
@@ -63,8 +63,8 @@ class _Family:
         self._per_level = float((evidence.table.radiance[lit] / evidence.table.level[lit]).mean())
         conditions = zip(evidence.table.level, evidence.table.exposure_us, strict=True)
         self._recorded = set(conditions)
-        self._exposures = sorted(set(evidence.table.exposure_us[flat]))
-        self._levels = sorted(set(evidence.table.level[lit]))
+        self._exposures = sorted({float(t) for t in evidence.table.exposure_us[flat]})
+        self._levels = sorted({float(level) for level in evidence.table.level[lit]})
 
     def darks(self) -> Iterator[Option]:
         shortest, *_, longest = (self._exposures * 2)[: max(2, len(self._exposures))]
@@ -119,6 +119,16 @@ class _Family:
             pair = _whole([self._flat(longest, level), self._flat(longest / 2, 2.0 * level)])
             yield Option("two levels at equal dose", pair)
 
+    def darks_and_levels(self) -> Iterator[Option]:
+        """Yield a dark and flats at another level."""
+        dark, highest = self._dark(self._exposures[-1]), self._bench.max_level or 0.0
+        for level in sorted({self._levels[0], min(2.0 * self._levels[0], highest or 1e9), highest}):
+            for plan in (self._exposures[-1:], self._exposures):
+                flats = [self._flat(t, level) for t in plan] if level > 0 else [None]
+                what = "a flat" if len(plan) == 1 else "flats at all exposures"
+                taken = _whole([dark, *flats])
+                yield Option(f"a dark at the longest exposure and {what} at level {level:g}", taken)
+
     def scenes(self) -> Iterator[Option]:
         if not self._bench.shows_scenes or len(self._exposures) < 2:
             return
@@ -131,7 +141,7 @@ class _Family:
                 yield Option(f"a bar with edges at two exposures, {lines} lines", _whole(plan))
 
     def longer(self) -> Iterator[Option]:
-        for few in (*self.darks(), *self.levels()):
+        for few in (*self.darks(), *self.levels(), *self.darks_and_levels()):
             if 0 < len(few.plan) <= FEW:
                 yield Option(f"{few.what}, {MORE * self._lines} lines", self._more(few.plan))
         yield Option(f"the same blocks, {MORE * self._lines} lines", self._more(self._seen()))

@@ -11,6 +11,12 @@ from calib.diagnosis.signatures import retaken
 from calib.forward.departure import Departure
 from calib.forward.parameter import parameters_of
 
+CLOSE = 16.0
+"""Names within so much deviance of the likeliest one may be what is left."""
+SHARE = 0.02
+"""So may those within this share of what it explains: signatures are not exact."""
+MOST = 4
+"""So many names are told apart at a time."""
 SHAPES = 3
 """Of a name are looked at closely."""
 AS_GOOD = 4.0
@@ -41,23 +47,28 @@ def is_open(finding: Finding) -> bool:
 
 
 def rivals_of(finding: Finding, examined: Examination) -> Rivals:
-    """Return the names of a finding whose probability counts, each fitted in its place."""
-    members = examined.model.members
+    """Return the names that a finding may have, each fitted in its place.
+
+    Those that are not told since three others are likelier may be left when these are not.
+    """
+    members, evidence = examined.model.members, examined.evidence
     k = next(k for k, m in enumerate(members) if m.effect.name == finding.effect.name)
-    wanted = [c.effect for c in finding.candidates if c.probability >= AMBIGUOUS]
-    wanted += [name for name in (finding.effect.name,) if name not in wanted]
-    fitted = [_fitted(name, k, examined) for name in wanted]
+    contest = Contest(examined.signatures, evidence, responder_of(evidence))
+    wanted = [finding.effect.name, *(c.effect for c in finding.candidates)]
+    gain, least = contest.own_gain(examined.model, k), contest.own_gain(examined.model, k) - CLOSE
+    close = [s.name for s in contest.ranking(examined.model, k) if s.net > least - SHARE * gain]
+    wanted = list(dict.fromkeys([*wanted, *close]))[:MOST]
+    fitted = [_fitted(name, k, examined, contest) for name in wanted]
     others = tuple(m for j, m in enumerate(members) if j != k)
     return Rivals(tuple(member for member in fitted if member is not None), others)
 
 
-def _fitted(name: str, k: int, examined: Examination) -> Member | None:
+def _fitted(name: str, k: int, examined: Examination, contest: Contest) -> Member | None:
     """Return the effect of that name in the place of member `k`; None where it takes no part."""
     evidence, model = examined.evidence, examined.model
     own = model.members[k]
     if name == own.effect.name and _time_is_known(own):
         return own
-    contest = Contest(examined.signatures, evidence, responder_of(evidence))
     residual = model.residual + contribution(own)
     directions = [d for j, m in enumerate(model.members) if j != k for d in m.directions]
     shapes = [s for s in examined.signatures if s.shape.name == name]

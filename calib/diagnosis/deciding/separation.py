@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.diagnosis.courses import course, is_free
 from calib.diagnosis.deciding.rivals import Rivals
 from calib.diagnosis.diagnose import responder_of
 from calib.diagnosis.evidence import Evidence
@@ -29,17 +30,29 @@ STEP = 0.1
 
 
 def separation(rivals: Rivals, evidence: Evidence) -> float:
-    """Return the least separation of any two rivals, whichever of them is true, in sigma."""
+    """Return the least separation of any two rivals, whichever of them is true, tempered, sigma."""
+    return min((s * t for s, t in _of_pairs(rivals, evidence)), default=0.0)
+
+
+def distance(rivals: Rivals, evidence: Evidence) -> float:
+    """Return the same of exact signatures: the root of the deviance that parts the names."""
+    return min((s for s, _ in _of_pairs(rivals, evidence)), default=0.0)
+
+
+def _of_pairs(rivals: Rivals, evidence: Evidence) -> list[tuple[float, float]]:
+    """Return the distance of each ordered pair, and the factor that tempers it."""
     responder = responder_of(evidence)
     beside = [d for m in rivals.others for d in _directions(m, evidence, responder)]
     each = [_directions(member, evidence, responder) for member in rivals.members]
-    found = [
-        _left_over(each[true][0], rivals.members[wrong], each[wrong], beside, evidence)
+    return [
+        (
+            _left_over(each[true][0], rivals.members[wrong], each[wrong], beside, evidence),
+            float(np.sqrt(temper(evidence.product(each[true][0], each[true][0])))),
+        )
         for true in range(len(each))
         for wrong in range(len(each))
         if true != wrong
     ]
-    return min(found, default=0.0)
 
 
 def _directions(member: Member, evidence: Evidence, responder: Responder) -> list[Point]:
@@ -48,13 +61,18 @@ def _directions(member: Member, evidence: Evidence, responder: Responder) -> lis
     A derivative by the strength would differ from the signature by curvature alone, a direction in
     which no fit can go far.
     """
-    whole = evidence.point(change_of((member.effect,), evidence, responder))
+    change = change_of((member.effect,), evidence, responder)
+    whole = evidence.point(change)
     found = [whole]
     for name, value in member.inner.items():
         inner = {**member.inner, name: value * float(np.exp(STEP))}
         effect = replace(member, inner=inner).effect
         point = evidence.point(change_of((effect,), evidence, responder))
         found.append((point - whole) * (1.0 / STEP))
+    if is_free(member.signature):
+        length = float(np.sqrt(evidence.product(whole, whole)))
+        there = replace(member.signature, change=change, point=whole, length=length)
+        found += [point for _, point in course(there, whole, evidence)] if length > 0 else []
     return found
 
 
@@ -68,5 +86,4 @@ def _left_over(
     if evidence.product(own, target) > 0 or wrong.signature.shape.two_sided:
         # A strength that has a sign cannot imitate what points the other way.
         target = without(true, orthonormal([*beside, *directions], evidence), evidence)
-    tempered = temper(evidence.product(true, true))
-    return float(np.sqrt(tempered * max(evidence.product(target, target), 0.0)))
+    return float(np.sqrt(max(evidence.product(target, target), 0.0)))

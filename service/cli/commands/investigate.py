@@ -36,24 +36,21 @@ def investigate(
 ) -> None:
     """Sweep and diagnose until what a camera does beyond the plain model has one name."""
     with answering(json) as answer:
-        _make_folder(out)
+        _refuse_full(out)
         done = _investigate(bench, plan, out, float("inf") if budget_s is None else budget_s)
         answer.give(done.answer(), lambda console: _show(console, done))
 
 
-def _make_folder(out: Path) -> None:
-    from calib.recording.durable import disk_errors  # noqa: PLC0415
-
+def _refuse_full(out: Path) -> None:
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         msg = f"{out} is there already and not empty: name another folder by --out"
         raise InputError(msg, code="output-exists")
-    with disk_errors(out):
-        out.mkdir(parents=True, exist_ok=True)
 
 
 def _investigate(
     bench_file: Path | None, plan_file: Path | None, out: Path, budget_s: float
 ) -> "Investigation":
+    from calib.recording.durable import disk_errors  # noqa: PLC0415
     from service.bench import open_bench  # noqa: PLC0415
     from service.cli.asking import ask_for_cap  # noqa: PLC0415
     from service.cli.consoles import notes  # noqa: PLC0415
@@ -72,6 +69,8 @@ def _investigate(
         progress("Investigation") as report,
     ):
         first = first_plan(bench) if named is None else named
+        with disk_errors(out):
+            out.mkdir(parents=True, exist_ok=True)
 
         def take(plan: "Plan", recording: Path) -> None:
             _sweep(bench, plan, recording, report)

@@ -61,7 +61,7 @@ class Case:
 
 CASES = {
     "lamp or gain drift": Case(
-        _FACTORIAL, (LampDrift(0.2, 600.0), GainDrift(0.2, 600.0)), monitored=False
+        _FACTORIAL, (LampDrift(0.016, 60.0), GainDrift(0.016, 60.0)), monitored=False
     ),
     "stray light or exposure offset": Case(
         _AGCAM, (StrayLight(0.004), ExposureOffset(-0.8))
@@ -102,7 +102,7 @@ def simulated(effect: Effect, folder: Path) -> Iterator[Bench]:
     settings: dict[str, Any] = {
         "id": f"investigated-{randbits(40)}",
         "camera": {"driver": "mock"},
-        "light": {"driver": "mock", "tau_s": 0.01, "ramp_s": 0.01},
+        "light": {"driver": "mock", "tau_s": 0.004, "ramp_s": 0.01},
         "monitor": {"driver": "mock", "integration_s": 0.005},
         "shutter": {"driver": "mock"},
         "simulation": {"model": str(folder / "model.toml"), "lamps": 4},

@@ -1,0 +1,150 @@
+"""The deciding measurement: what is expected of a plan is what the plan gives when it is run."""
+
+import tomllib
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from calib.diagnosis.deciding.bench import BenchTime, Taken, at_the_pace_of, timed
+from calib.diagnosis.deciding.decide import chosen, judged_plans, next_measurement
+from calib.diagnosis.deciding.family import Option, options
+from calib.diagnosis.deciding.planned import with_planned
+from calib.diagnosis.deciding.rivals import Rivals, is_open, rivals_of
+from calib.diagnosis.deciding.separation import distance
+from calib.diagnosis.deciding.testable import newly_testable
+from calib.diagnosis.diagnose import Examination, examine, responder_of
+from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.signatures import change_of
+from calib.forward.departure import Departure
+from calib.forward.effect import Effect
+from calib.forward.effects.stray_light import StrayLight
+from calib.recording.header import Block, RecordingHeader
+from tests.calib.diagnosis.recordings import plain_model, recorded
+
+COLUMNS, LINES = 48, 150
+BENCH = BenchTime(1400.0, settle_s=1.0, block_s=0.2, max_level=4.0, target_s=1.0, starts_in_s=5.0)
+AGCAM = [(t, 1.0) for t in (200.0, 400.0, 600.0, 800.0, 1000.0)] + [
+    (200.0, float(level)) for level in (1, 2, 3, 4)
+]
+STRAY = StrayLight(0.004)
+WANTED = 2.0
+"""Four names at once are parted by so many sigma at least."""
+
+
+def blocks_of(rows: Sequence[tuple[float, float]], first: int = 0) -> list[Block]:
+    return [
+        Block(
+            block=f"{first + k:03d}", kind="flat" if level else "dark", exposure_us=t, level=level,
+            lines=LINES,
+        )
+        for k, (t, level) in enumerate(rows)
+    ]  # fmt: skip
+
+
+def measured(rows: Sequence[tuple[float, float]], *effects: Effect) -> Evidence:
+    return recorded(plain_model(COLUMNS), blocks_of(rows), default_rng(), effects)
+
+
+@cache
+def stray() -> Examination:
+    """Return AgCam's plan without darks, in stray light that no such plan tells from a late end."""
+    return examine(measured(AGCAM, STRAY))
+
+
+def rivals() -> Rivals:
+    found = next(f for f in stray().diagnosis.findings if is_open(f))
+    return rivals_of(found, stray())
+
+
+def with_dark() -> Option:
+    return next(o for o in options(stray().evidence, BENCH) if o.what.startswith("a dark at"))
+
+
+def explained(evidence: Evidence, effect: Departure) -> float:
+    """Return the deviance that an effect of any strength explains."""
+    point = evidence.point(change_of((effect,), evidence, responder_of(evidence)))
+    residual = evidence.point(evidence.observed())
+    return evidence.product(point, residual) ** 2 / evidence.product(point, point)
+
+
+def test_agcams_plan_leaves_stray_light_open_and_a_dark_tells_it() -> None:
+    assert "stray_light" in rivals().names
+    evidence = stray().evidence
+    judged = judged_plans(rivals(), evidence, BENCH, WANTED, 1e9)
+    assert judged[0].seconds <= judged[-1].seconds
+    best = chosen(judged, WANTED)
+    assert best is judged[-1]
+    assert best.sigma >= WANTED > 3.0 * distance(rivals(), evidence)
+    assert any(taken.block.kind == "dark" for taken in best.option.plan)
+    header = RecordingHeader(camera=plain_model(COLUMNS).camera, blocks=evidence.table.blocks)
+    asked = next_measurement(stray(), header, BENCH, wanted_sigma=WANTED)
+    assert asked is not None
+    assert asked.reached
+    assert asked.expected_sigma == pytest.approx(best.sigma, rel=1e-9)
+    assert tomllib.loads(asked.answer()["plan_toml"]) == asked.plan
+
+
+def test_the_expected_separation_is_what_recordings_give() -> None:
+    pair = next(m for m in rivals().members if m.effect.name != "stray_light")
+    own = next(m for m in rivals().members if m.effect.name == "stray_light")
+    taken, _ = timed(with_dark().plan, BENCH, float(stray().evidence.table.started_s[-1]) + 5.0)
+    expected = distance(Rivals((own, pair), ()), with_planned(stray().evidence, taken))
+    rows = [*AGCAM, (1000.0, 0.0)]
+    z = []
+    for _ in range(12):
+        evidence = measured(rows, STRAY)
+        won = explained(evidence, own.effect) - explained(evidence, pair.effect)
+        # The difference of two squared projections is d^2 +- 2 d.
+        z.append((won - expected**2) / (2.0 * expected))
+    # The expectation hangs on a strength that one recording gave, to 3 % or better.
+    slack = 0.5 * 0.04 * expected
+    assert abs(np.mean(z)) < 4.0 / np.sqrt(len(z)) + slack
+    assert 1.0 - 3.0 / np.sqrt(2 * len(z)) < np.std(z) < 1.0 + 4.0 / np.sqrt(2 * len(z))
+
+
+def test_planned_blocks_hold_what_the_baseline_expects_of_recorded_ones() -> None:
+    evidence = measured([*AGCAM, (1000.0, 0.0)])
+    taken = [b.model_copy(update={"started_s": 99.0 + k}) for k, b in enumerate(blocks_of(AGCAM))]
+    both = with_planned(evidence, taken)
+    assert both.n_blocks == evidence.n_blocks + len(AGCAM)
+    n = evidence.n_blocks
+    assert np.allclose(both.baseline.mean_dn[n:], evidence.baseline.mean_dn[: len(AGCAM)])
+    assert np.allclose(both.pooled_std[n:], evidence.pooled_std[: len(AGCAM)], rtol=1e-6)
+    observed = both.observed()
+    assert np.abs(observed.means[n:]).max() == 0.0
+
+
+def test_no_plan_saturates_and_each_costs_its_lines_and_lamps() -> None:
+    evidence = measured([(1000.0, 0.0), (500.0, 2.0), (1000.0, 2.0), (1000.0, 1.0)])
+    base = evidence.baseline
+    for option in options(evidence, BENCH):
+        taken, seconds = timed(option.plan, BENCH, 100.0)
+        lines = sum(int(b.lines or 0) for b in taken)
+        waits = sum(each.wait_s for each in option.plan)
+        assert seconds >= lines * 1400e-6 + waits + BENCH.settle_s
+        dose = max(b.exposure_us * b.level for b in taken)
+        assert np.median(base.offset_dn + base.slope * dose) < 0.9 * 4095
+        assert [b.started_s for b in taken] == sorted(b.started_s or 0.0 for b in taken)
+
+
+def test_the_pace_is_that_of_the_recording() -> None:
+    evidence = measured(AGCAM)
+    # Simulated blocks follow one another, but where lamps are switched.
+    assert at_the_pace_of(evidence.table, BENCH).block_s == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_plan_makes_testable_what_it_has_and_nothing_else() -> None:
+    evidence = measured([(200.0, 1.0), (400.0, 1.0), (600.0, 1.0)])
+    dark = Taken(blocks_of([(200.0, 0.0)])[0], 1.0)
+    level = Taken(blocks_of([(200.0, 2.0)])[0], 2.0)
+    assert "stray_light" in newly_testable((level,), evidence)
+    assert "stray_light" not in newly_testable((dark,), evidence)
+    asked = next_measurement(
+        examine(evidence), RecordingHeader(camera=plain_model(COLUMNS).camera, blocks=()), BENCH
+    )
+    assert asked is not None
+    assert "stray_light" in asked.makes_testable
+    assert asked.expected_sigma is None
