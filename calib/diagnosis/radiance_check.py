@@ -28,11 +28,11 @@ def radiance_error(model: Model, evidence: Evidence) -> RadianceError | None:
     if change is None:
         return None
     base = evidence.baseline
-    means = change.means - sum(
+    # What a plain fit leaves, and what it took of the source's own for the camera's.
+    means = _beside_a_fit(change.means, evidence) - sum(
         (_contribution(m) for m in model.members if m.effect.stage == Stage.SOURCE),
         np.zeros_like(change.means),
     )
-    means = _beside_a_fit(means, evidence)
     signal = (base.slope * base.dose).reshape(means.shape)
     level = np.median(signal, axis=1)
     scenes = np.array([block.kind == "scene" for block in evidence.table.blocks])

@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 def remainder_panels(seen: Compared) -> tuple[Panel, ...]:
     """Return how far from chance each look is, and the strongest pattern of the means."""
-    by_block, along, _ = strongest_pattern(seen)
+    by_block, along = strongest_pattern(seen)
     names = seen.examined.evidence.table.names
 
     def blocks(axes: Axes) -> None:
@@ -49,47 +49,22 @@ def term_panel(term: EmpiricalTerm) -> Panel:
     return Panel("empirical-term", on_axes(draw))
 
 
-def strongest_pattern(seen: Compared) -> tuple[Floats, Floats, float]:
-    """Return the first singular vectors of the means' remainder, by block and column, in σ.
-
-    Also by how much its singular value exceeds what noise alone has, sqrt(blocks) + sqrt(columns)
-    (Marchenko and Pastur).
-    """
+def strongest_pattern(seen: Compared) -> tuple[Floats, Floats]:
+    """Return the first singular vectors of the means' remainder, by block and column, in σ."""
     plane = by_column(seen, seen.whitened_after)
     left, size, right = np.linalg.svd(plane, full_matrices=False)
     sign = 1.0 if right[0].sum() >= 0 else -1.0
-    chance = float(np.sqrt(plane.shape[0]) + np.sqrt(plane.shape[1]))
-    return sign * left[:, 0] * size[0], sign * right[0] * size[0], float(size[0]) / chance
+    return sign * left[:, 0] * size[0], sign * right[0] * size[0]
 
 
 def remainder_words(seen: Compared) -> tuple[str, ...]:
-    """Return the description of what remains."""
-    by_block, along, beyond = strongest_pattern(seen)
+    """Return in which statistics it is beyond chance; `where` says what it follows."""
     words = []
-    if beyond > 1.2:
-        words.append(
-            f"The means hold one pattern that is {beyond:.1f} times what noise has: "
-            f"{_shape(by_block, 'from block to block')}, and {_shape(along, 'along the columns')}."
-        )
-    else:
-        words.append("The means hold no pattern beyond noise: it lives in the noise or the codes.")
     looks = _by_statistic(seen)
     seen_in = [f"{spoken(name)} ({sigma:.0f} σ)" for name, sigma in looks if sigma > CERTAIN_SIGMA]
     if seen_in:
         words.append(f"It is beyond chance in: {', '.join(seen_in)}.")
     return tuple(words)
-
-
-def _shape(values: Floats, where: str) -> str:
-    """Return whether values share a sign, run smoothly, or alternate."""
-    centred = values - values.mean()
-    total = max(float((values**2).sum()), 1e-300)
-    if len(values) * values.mean() ** 2 > 0.6 * total:
-        return f"of one sign {where}"
-    smooth = float((centred[1:] * centred[:-1]).sum() / max(float((centred**2).sum()), 1e-300))
-    if smooth > 0.5:
-        return f"smooth {where}"
-    return f"alternating {where}" if smooth < -0.3 else f"irregular {where}"
 
 
 def _by_statistic(seen: Compared) -> list[tuple[str, float]]:

@@ -26,7 +26,9 @@ from calib.diagnosis.shapes import shapes_of
 from calib.diagnosis.signatures import signature
 from calib.diagnosis.words.verdict import first_sentence
 from calib.errors import NotDeterminedError
+from calib.forward.drift import settled
 from calib.forward.effects.interpixel_capacitance import InterpixelCapacitance
+from calib.forward.effects.lamp_drift import LampDrift
 from calib.forward.effects.nonlinearity import Nonlinearity
 from calib.recording.header import CameraHeader, RecordingHeader
 from tests.calib.diagnosis.examinations import examined, small_model
@@ -172,30 +174,45 @@ def test_capacitance_hid_as_the_system_gain_that_its_formula_gives() -> None:
     assert "too low" in finding.hid_as
 
 
-def test_the_radiance_by_the_plain_calibration_is_off_as_a_bent_response_makes_it() -> None:
+@pytest.mark.parametrize(
+    ("effect", "of_camera"),
+    [(Nonlinearity(BENT), True), (LampDrift(-0.03, 5.0), False)],
+    ids=["nonlinearity", "lamp_drift"],
+)
+def test_the_radiance_by_the_plain_calibration_is_off_as_a_line_fitted_to_the_effect_is(
+    effect: Nonlinearity | LampDrift, *, of_camera: bool
+) -> None:
     rng = default_rng()
-    evidence = recorded(small_model(), plan(rng, 120, twice=2), rng, (Nonlinearity(BENT),))
+    evidence = recorded(small_model(), plan(rng, 120, twice=2), rng, (effect,))
     responder = responder_of(evidence)
-    shapes = shapes_of(Nonlinearity, scales_of(evidence, responder))
+    shapes = shapes_of(type(effect), scales_of(evidence, responder))
     signatures = [signature(shape, evidence, responder) for shape in shapes]
     contest = Contest(tuple(s for s in signatures if s is not None), evidence, responder)
     error = radiance_error(find(contest, beside(None, evidence)), evidence)
     assert error is not None
-    base, truth = evidence.baseline, small_model().truth()
+    base, table, truth = evidence.baseline, evidence.table, small_model().truth()
     weight = evidence.n / base.variance_dn2.mean(axis=(1, 2))
-    slope = truth.responsivity * truth.vignette
-    dose = evidence.table.dose
-    signal = dose[:, None] * slope[None, :]
-    bent = signal * (1.0 - BENT * signal)
-    line = np.polynomial.polynomial.polyfit(dose, bent, 1, w=np.sqrt(weight))
-    plain = (bent - line[0]) / (line[1] * dose.clip(1e-9)[:, None]) - 1.0
-    expected = {n: float(np.median(e)) for n, e in zip(evidence.table.names, plain, strict=True)}
-    for name, value, left in zip(error.blocks, error.error, error.left_std, strict=True):
-        # What a fit of this recording leaves of DN0 and slope, and of the strength.
-        noise = 0.2 / base.mean_dn[evidence.table.names.index(name)].mean()
-        assert abs(value - expected[name]) < 5.0 * np.hypot(left, noise) + 0.05 * abs(
-            expected[name]
+    dose = table.dose
+    signal = dose[:, None] * (truth.responsivity * truth.vignette)[None, :]
+    seen = signal * (1.0 - BENT * signal)
+    if isinstance(effect, LampDrift):
+        seen = (
+            signal
+            * (1.0 + effect.amplitude * settled(table.mid_s, effect.time_constant_s))[:, None]
         )
+    line = np.polynomial.polynomial.polyfit(dose, seen, 1, w=np.sqrt(weight))
+    # A scene is not lit by the lamp that faded: it is seen as it is.
+    scene = seen if of_camera else signal
+    lit = dose > 0
+    plain = (scene - line[0])[lit] / (line[1] * dose[lit, None]) - 1.0
+    names = [n for n, on in zip(table.names, lit, strict=True) if on]
+    expected = {n: float(np.median(e)) for n, e in zip(names, plain, strict=True)}
+    largest = max(abs(e) for e in expected.values())
+    assert largest > 3e-3
+    for name, value, left in zip(error.blocks, error.error, error.left_std, strict=True):
+        # What a fit of this recording leaves of DN0 and slope, and of the strength and its time.
+        noise = 0.2 / base.mean_dn[table.names.index(name)].mean()
+        assert abs(value - expected[name]) < 5.0 * np.hypot(left, noise) + 0.1 * largest
 
 
 def test_figures_of_the_answer_are_plain_numbers(tmp_path: Path) -> None:
