@@ -74,9 +74,11 @@ def groups_of(seen: Compared) -> tuple[tuple[Group, ...], tuple[Group, ...]]:
         first_lines_group(seen, weight("onset")),
         rare_group(seen, weight("rare")),
     ]
-    ranked = sorted(groups, key=lambda g: -g.weight)
     named = {STATISTICS[f.where.statistic] for f in diagnosis.findings}
-    least = SHOWN_SHARE * ranked[0].weight
+    if diagnosis.unexplained is not None:
+        named.add(STATISTICS[diagnosis.unexplained.where.statistic])
+    ranked = sorted(groups, key=lambda g: (g.name not in named, -g.weight))
+    least = SHOWN_SHARE * max(g.weight for g in groups)
     shown = [g for k, g in enumerate(ranked) if k == 0 or g.name in named or g.weight > least]
     shown = shown[: max(MOST_SHOWN, len(named))]
     if not diagnosis.findings and diagnosis.unexplained is None:
