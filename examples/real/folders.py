@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 BLANK, TRAIL = 50, 2
 """Columns of a tap before its lit ones, and after them: what trails behind the last lit one."""
-BOX = (64, 128)
+BOX = (48, 96)
 """Rows and columns of each tap that the diagnosis looks at, those farthest from its output."""
 
 

@@ -51,7 +51,7 @@ def test_statistics_of_few_frames_of_quadrants_scatter_as_expected(
     tmp_path: Path, n_frames: int
 ) -> None:
     z: dict[str, list[float]] = {}
-    for seed in range(12):
+    for seed in range(8):
         found = evidence(quadrants(tmp_path / str(seed), seed, n_frames))
         used = np.isfinite(found.pooled_std) & (found.pooled_std > 0)
         white = found.observed().pooled / np.where(used, found.pooled_std, 1.0)

@@ -57,5 +57,5 @@ def test_the_yardstick_is_what_the_files_say_and_they_sum_to_nothing() -> None:
     twice = np.where(np.arange(9) > 0, 2.0, 1.0)
     for covariances in found:
         total = (np.outer(twice, twice) * covariances).sum()
-        # 0.1 %, where errors of 80 lags would give 2 % and more: imposed, not measured.
+        # 0.1 %, where errors of 80 lags would give 5 % and more: imposed, not measured.
         assert abs(total / covariances[0, 0]) < 0.001

@@ -26,7 +26,7 @@ def found(files: Path, tmp_path_factory: pytest.TempPathFactory) -> Examination:
 
 
 def test_every_tap_s_gain_is_that_of_photon_transfer(found: Examination) -> None:
-    # docs/photon-transfer/curve.md, of all pixels; here of 64 x 128 in one pair.
+    # docs/photon-transfer/curve.md, of all pixels; here of 48 x 96 in one pair.
     gains = np.array([0.3963, 0.4000, 0.3956, 0.3984])
     std = np.sqrt(2.0 / (BOX[0] * BOX[1])) * gains
     assert np.all(np.abs(found.evidence.baseline.gain_dn_per_e - gains) < 4.0 * std)
