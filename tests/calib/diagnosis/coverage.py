@@ -19,9 +19,9 @@ from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 from tests.calib.diagnosis.trial import CASES, effects_of
 
 
-def errors_of(name: str) -> dict[str, tuple[float, float]]:
+def errors_of(name: str, values: dict[str, object] | None = None) -> dict[str, tuple[float, float]]:
     """Return each parameter's error and standard uncertainty in one run, relative to the truth."""
-    values, rng = dict(CASES)[name], default_rng()
+    values, rng = values or dict(CASES)[name], default_rng()
     taps = name in {"tap_crosstalk", "tap_gain_drift"}
     model = plain_model(taps=2, layout="odd_even") if taps else plain_model()
     evidence = recorded(model, plan(rng), rng, effects_of(name, values, int(rng.integers(99))))
