@@ -126,7 +126,7 @@ def grouped(values: Floats, sensor: Sensor) -> Floats:
     """Return sums over each group of pixels, (..., n_groups), of (..., n_rows, n_columns)."""
     flat = values.reshape(*values.shape[:-2], sensor.n_pixels)
     # A few columns only: threads of a matrix product would take longer to start.
-    return np.einsum("...p,pg->...g", flat, sensor.members)
+    return np.asarray(np.einsum("...p,pg->...g", flat, sensor.members))
 
 
 def pooled(  # noqa: PLR0917 - all that they depend on
