@@ -152,6 +152,8 @@ class _Family:
 
     def warmer(self) -> Iterator[Option]:
         seen = self._seen()
+        if not seen:
+            return
         known = [b.sensor_temperature_c for b in self._table.blocks]
         start = next((t for t in reversed(known) if t is not None), AMBIENT_C)
         warm = {"sensor_temperature_c": start + WARMER_K}

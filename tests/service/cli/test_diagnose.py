@@ -39,20 +39,27 @@ def record(
 
 
 @pytest.mark.parametrize(
-    ("rows", "lines", "code", "words"),
+    ("rows", "lines", "told"),
     [
-        ([(500.0, 1), (500.0, 1)], 60, "one-signal", "add flats at another exposure"),
-        ([(500.0, 0), (200.0, 0)], 60, "no-flats", "add flats at two exposures"),
-        ([(1390.0, 4), (1300.0, 4)], 60, "saturated", "add flats at two exposures below 1300 us"),
-        ([(200.0, 0), (200.0, 1), (900.0, 1)], 2, "too-few-lines", "record blocks of 4 lines"),
+        ([(500.0, 1), (500.0, 1)], 60, ("one-signal", "add flats at another exposure")),
+        ([(500.0, 0), (200.0, 0)], 60, ("no-flats", "add flats at two exposures")),
+        ([(1390.0, 4), (1300.0, 4)], 60, ("saturated", "at two exposures below 1300 us")),
+        ([(200.0, 0), (200.0, 1), (900.0, 1)], 2, ("too-few-lines", "record blocks of 4 lines")),
     ],
     ids=["one exposure and no darks", "darks alone", "saturated", "two lines per block"],
 )
 def test_what_cannot_be_diagnosed_says_so_and_which_blocks_to_add(
-    run: Run, tmp_path: Path, rows: list[tuple[float, int]], lines: int, code: str, words: str
+    run: Run,
+    tmp_path: Path,
+    rows: list[tuple[float, int]],
+    lines: int,
+    told: tuple[str, str],
 ) -> None:
-    bright = Model.loads(plain_model(32).dumps().replace("electrons_per_radiance_us = 10.0",
-                                                         "electrons_per_radiance_us = 30.0"))  # fmt: skip
+    code, words = told
+    text = plain_model(32).dumps()
+    assert "electrons_per_radiance_us = 10.0" in text
+    bright = Model.loads(text.replace("radiance_us = 10.0", "radiance_us = 30.0"))
+    bright = bright.without("full_well")
     recording = record(tmp_path, "rec.h5", rows, lines=lines, model=bright)
     ran = run("diagnose", recording, "--json", "-")
     assert (ran.status, ran.error_code) == (1, code), ran.stderr

@@ -1,5 +1,10 @@
 """The loop on a bench without a transport, and what it says when it cannot go on."""
 
+import json
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,14 +19,15 @@ from calib.recording.header import Block, RecordingHeader
 from calib.recording.open import open_recording
 from drivers.mock.world import World
 from service.bench import BenchSettings, open_bench
-from service.cli.app import app
 from service.investigation.first_plan import first_plan
 from service.investigation.investigate import investigate
 from service.plan.expand import expand
 from service.plan.model import Plan
-from tests.calib.diagnosis.investigations import CASES, investigated, is_settled
+from tests.calib.diagnosis.investigations import CASES, hidden, investigated, is_settled
 from tests.calib.diagnosis.recordings import plain_model, recorded
 from tests.service.cli.answers import Ran
+from tests.service.cli.benches import bench_file as paced_bench_file
+from tests.service.cli.benches import plan_for_bench
 from tests.service.cli.conftest import home, run
 
 __all__ = ["home", "run"]
@@ -134,6 +140,38 @@ def test_the_first_plan_does_not_saturate(tmp_path: Path) -> None:
     assert 0.5 * 4095 < brightest < 0.9 * 4095
 
 
+def test_a_signal_leaves_the_lamps_off_and_what_was_recorded_in_place(tmp_path: Path) -> None:
+    bench, plan = paced_bench_file(tmp_path, paced=True), plan_for_bench(tmp_path, lines=3200)
+    out, answer = tmp_path / "out", tmp_path / "answer.json"
+    program = "from service.cli import main; main()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, "investigate", "--bench", str(bench), "--plan", str(plan),
+         "--out", str(out), "--json", str(answer)], stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    commits, until = out / "1.frames.jsonl", time.monotonic() + 120
+    while not (commits.exists() and commits.read_text().count('"frame"') > 3):
+        assert process.poll() is None, process.stderr and process.stderr.read()
+        assert time.monotonic() < until
+        time.sleep(0.02)
+    process.send_signal(signal.SIGTERM)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 1
+    assert json.loads(answer.read_text())["error"]["code"] == "cancelled"
+    assert "lamps off" in errors.strip().splitlines()[-1]
+    assert commits.read_text().count('"frame"') > 3
+    world = World(tmp_path / "world")
+    assert all(lamp.target == 0 for lamp in world.state().lamps)
+    world.close()
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("name", CASES)
+def test_sixteen_of_twenty_are_settled_by_one_added_sweep(name: str) -> None:
+    rng = default_rng()
+    drawn = [hidden(CASES[name], rng) for _ in range(20)]
+    assert sum(is_settled(investigated(CASES[name], e), e) for e in drawn) >= 16
+
+
 def test_bad_input_is_told_in_a_sentence(run: Run, tmp_path: Path) -> None:
     bench, out = bench_file(tmp_path), tmp_path / "out"
     out.mkdir()
@@ -149,4 +187,3 @@ def test_bad_input_is_told_in_a_sentence(run: Run, tmp_path: Path) -> None:
         assert len(ran.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "a").exists()
     assert not (tmp_path / "b").exists()
-    assert app.info.name == "darkflat"
