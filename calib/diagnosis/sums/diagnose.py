@@ -127,6 +127,7 @@ class _Asked:
             before.deviance,
             after.deviance,
             float(np.clip((before.deviance - after.deviance) / missed, 0.0, 1.0)),
+            words.sentence(name, fit.shape, float(fit.data.points.signal_dn.max())),
         )
 
     def _candidates(self, name: str, model: Model, after: HeldOut) -> tuple[NamedCandidate, ...]:

@@ -1,5 +1,7 @@
 """What a diagnosis of sums says in words: what it saw, what it did not, what it cannot know."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from calib.diagnosis.shapes import departures
@@ -10,6 +12,7 @@ from calib.recording.header import RecordingHeader
 from calib.transfer.photon_transfer.choice import Choice, significance
 from calib.transfer.photon_transfer.curve_fit import CurveFit, Model
 from calib.transfer.photon_transfer.tap_transfer import TapTransfer
+from calib.transfer.photon_transfer.variance_curve import Shape
 
 LEAST_PROBABILITY = 0.02
 """Of a candidate that is told."""
@@ -20,6 +23,23 @@ def sigma_of(choice: Choice, name: str) -> float:
     if choice.with_means:
         return abs(choice.beta_sigma if name == Nonlinearity.name else choice.a00_sigma)
     return abs(choice.bend_sigma)
+
+
+def sentence(name: str, shape: Shape, top_dn: float) -> str:
+    """Return what an operator is told of an effect: how much of it there is at the top."""
+    straight = shape.linear(np.array([top_dn]))
+    if name == Nonlinearity.name:
+        lost = 100.0 * (1.0 - top_dn / float(straight[0]))
+        return (
+            f"The response bends: at {top_dn:.0f} DN above the dark level it gives {lost:.2f} % "
+            "less than a straight line."
+        )
+    whole = replace(shape, a00_per_e=0.0).charge_variance(straight)
+    lost = 100.0 * (1.0 - float((shape.charge_variance(straight) / whole)[0]))
+    return (
+        f"Charge repels charge: at {top_dn:.0f} DN above the dark level {lost:.2f} % of the "
+        "variance is gone."
+    )
 
 
 def not_testable(header: RecordingHeader, fit: CurveFit) -> dict[str, str]:

@@ -88,6 +88,16 @@ def test_a_bend_that_is_known_predicts_what_was_left_out(bent: list[SumsExaminat
         assert "not called for" in remark
 
 
+def test_an_operator_is_told_how_much_is_lost_at_the_top(bent: list[SumsExamination]) -> None:
+    top = RATE * EXPOSURES_US[-1]
+    for each in bent:
+        (finding,) = each.diagnosis.findings
+        lost = float(finding.sentence.split("gives ")[1].split(" %")[0])
+        std = finding.parameters["beta_per_dn"].std
+        # Printed to a hundredth; the noise's own part of the bend is beta times its variance.
+        assert abs(lost - 100.0 * BENT * top) < 4.0 * 100.0 * std * top + 0.01
+
+
 def test_charge_that_repels_is_named_by_the_variances(tmp_path: Path) -> None:
     z = []
     for seed in range(3):
