@@ -12,7 +12,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm
 
 from calib.diagnosis.diagnose import BASELINE
 from calib.diagnosis.figures import Figures
@@ -30,12 +29,12 @@ from calib.diagnosis.remainder import CERTAIN_SIGMA
 from calib.diagnosis.sums import words
 from calib.diagnosis.sums.names import EFFECTS, departure, names_of, parameters
 from calib.diagnosis.sums.prediction import Predicted, held_out, left_out, saturated
+from calib.diagnosis.sums.scatter import scatter_sigma
 from calib.diagnosis.words.verdict import first_sentence
 from calib.recording.folder_recording import FolderRecording
 from calib.recording.header import RecordingHeader
 from calib.transfer.photon_transfer.curve_fit import CurveFit, Model
 from calib.transfer.photon_transfer.measure import photon_transfer
-from calib.transfer.photon_transfer.overdispersion import Excess
 from calib.transfer.photon_transfer.result import PhotonTransfer
 from calib.transfer.photon_transfer.tap_transfer import TapTransfer
 
@@ -171,7 +170,7 @@ class _Asked:
         """Return the scatter of the variances that statistics do not allow, where it is sure."""
         fit = self.tap.choice.fits[model]
         flats = fit.variance_excess.flats
-        sigma = _sigma(flats)
+        sigma = scatter_sigma(flats)
         if sigma <= CERTAIN_SIGMA:
             return None
         misses = np.zeros(len(self.blocks))
@@ -187,20 +186,10 @@ class _Asked:
         )  # fmt: skip
 
     def figures(self, model: Model) -> Figures:
-        looks = (("variance", _sigma(self.tap.choice.fits[model].variance_excess.flats)),)
+        looks = (("variance", scatter_sigma(self.tap.choice.fits[model].variance_excess.flats)),)
         return Figures(self._misses(Model.STRAIGHT), self._misses(model), self.blocks, looks)
 
 
 def _bendable(tap: TapTransfer) -> Model:
     """Return the model of most bends, whose unrest of the source is that of the source alone."""
     return max(tap.choice.fits, key=lambda m: len(m.value))
-
-
-def _sigma(found: Excess) -> float:
-    """Return how far from chance the scatter is, in standard deviations."""
-    if found.freedom < 1:
-        return 0.0
-    log_p = float(chi2.logsf(found.chi_squared, found.freedom))
-    if log_p < -600.0:
-        return float(np.sqrt(found.chi_squared - found.freedom))
-    return float(max(norm.isf(np.exp(min(log_p, -1e-9))), 0.0))
