@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.chain_run import FittedChain
-from calib.diagnosis.pooled import Counts, pooled
+from calib.diagnosis.counts import Counts
+from calib.diagnosis.pooled import pooled
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.gather import CUT_SIGMA
 from calib.diagnosis.statistics.rare import RARE, rare_counts, rare_trials

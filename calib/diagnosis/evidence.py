@@ -12,6 +12,8 @@ from calib.diagnosis.change import Change
 from calib.diagnosis.code_counts import CodeCounts, saturated_blocks
 from calib.diagnosis.common_noise import CommonNoise
 from calib.diagnosis.conditions_table import ConditionsTable
+from calib.diagnosis.counts import Counts
+from calib.diagnosis.expected import expected
 from calib.diagnosis.few_samples import excess_as_normal
 from calib.diagnosis.growing import Growing
 from calib.diagnosis.mean_space import MeanSpace, mean_space
@@ -19,14 +21,7 @@ from calib.diagnosis.monitor import MonitorReadings, readings_of
 from calib.diagnosis.noise_directions import noise_directions
 from calib.diagnosis.nuisance import regressors, scene_blocks
 from calib.diagnosis.point import Point
-from calib.diagnosis.pooled import (
-    ONSET_LINES,
-    Counts,
-    Pooled,
-    expected,
-    places,
-    pooled,
-)
+from calib.diagnosis.pooled import ONSET_LINES, Pooled, places, pooled
 from calib.diagnosis.rare_space import RareSpace
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.standing_out import N_STEPS, misfit, steps

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from calib.diagnosis.baseline import fit_baseline
 from calib.diagnosis.common_noise import CommonNoise, fit_common_noise
 from calib.diagnosis.conditions_table import ConditionsTable
+from calib.diagnosis.counts import Counts
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.growing import growing_pixels
 from calib.diagnosis.noisy import NOISY_SIGMA, few
-from calib.diagnosis.pooled import Counts, places
+from calib.diagnosis.pooled import places
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
 

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.chain_run import FittedChain
-from calib.diagnosis.pooled import ONSET_LINES, Counts, places, pooled
+from calib.diagnosis.counts import Counts
+from calib.diagnosis.pooled import ONSET_LINES, places, pooled
 from calib.diagnosis.sampled_lines import SampledLines, is_tone
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.statistics.gather import CUT_SIGMA

@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.baseline import Baseline
-from calib.diagnosis.pooled import KINDS, Counts, grouped
+from calib.diagnosis.counts import Counts, grouped
+from calib.diagnosis.pooled import KINDS
 from calib.diagnosis.sensor import Sensor
 
 Floats = NDArray[np.float64]

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.baseline import Baseline, fit_lines
 from calib.diagnosis.change import Change
+from calib.diagnosis.counts import grouped
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.nuisance import scene_blocks
-from calib.diagnosis.pooled import grouped
 
 Floats = NDArray[np.float64]
 

@@ -12,10 +12,10 @@ from calib.diagnosis.chain_run import FittedChain
 from calib.diagnosis.change import Change
 from calib.diagnosis.code_counts import fine_blocks
 from calib.diagnosis.conditions_table import ConditionsTable
+from calib.diagnosis.counts import Counts
 from calib.diagnosis.drawn_lines import Drawn, drawn_of
 from calib.diagnosis.mean_change import mean_change, scatter_change, tone_change
 from calib.diagnosis.noisy import NOISY_SIGMA, few
-from calib.diagnosis.pooled import Counts
 from calib.diagnosis.sampled_lines import sampled_lines
 from calib.diagnosis.sensor import Sensor
 from calib.diagnosis.short_blocks import as_of_long_blocks

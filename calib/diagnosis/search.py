@@ -19,8 +19,9 @@ from calib.diagnosis.support import supported
 THRESHOLD = 16.0
 """Deviance, after its penalty, that chance alone reaches in about two of a hundred recordings."""
 MOST_EFFECTS = 4
-IMPERFECT = 0.004
-"""Signatures are this accurate, in deviance: what is left of a strong effect is no other one."""
+IMPERFECT = 0.002
+"""Of the deviance that a strong effect explains so much may be left: a signature that errs by e of
+its length leaves e^2, and e is about 0.03 (see `calib.diagnosis.judgement`); twice that."""
 CLOSE = 25.0
 """Names within so much deviance of the best one may be better once they are fitted."""
 CLOSE_SHARE = 0.15
@@ -46,8 +47,10 @@ def find(contest: Contest, nothing: Model) -> Model:
     model = _searched(contest, nothing)
     left = unexplained_deviance(model, contest.evidence)
     if len(model.members) > 1 or left > 0.0:
-        free = replace(contest, free=True)
-        model = min((model, _searched(free, nothing)), key=lambda m: _cost(m, contest))
+        freed = _searched(replace(contest, free=True), nothing)
+        # A course that may be any other has no excuse for what it leaves.
+        if unexplained_deviance(freed, contest.evidence) == 0.0:
+            model = min((model, freed), key=lambda m: _cost(m, contest))
     return supported(model, contest)
 
 

@@ -15,9 +15,9 @@ from calib.diagnosis.heldout import HeldOutDeviances
 from calib.diagnosis.model import Model
 from calib.diagnosis.remainder import unexplained_deviance
 
-LEAST_RATIO = 5.0
+LEAST_RATIO = 8.0
 """Of the deviance that a name explains to what remains: two patterns that part by an angle of
-24 degrees, tan^2 = 1/5, are no longer one."""
+19 degrees, tan^2 = 1/8, are no longer one."""
 WORST_GAIN = -9.0
 """Of a right name: a gain that is G on average scatters by 2 sqrt(G), and G - 3 x 2 sqrt(G) is
 least, -9, at G = 9."""

@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.counts import grouped
 from calib.diagnosis.diagnose import Examination
-from calib.diagnosis.pooled import grouped
 from calib.diagnosis.sensor import STRETCHES
 
 Floats = NDArray[np.float64]

@@ -53,9 +53,9 @@ class BrighterFatter(Departure):
     shows_in: ClassVar[Statistic] = "column_covariance"
     depends_on: ClassVar[tuple[Variable, ...]] = ("signal", "column")
 
-    row_per_e: float = parameter(1e-7, unit="1/e-", low=0.0, high=1e-5, neutral=0.0)
-    column_per_e: float = parameter(2.7e-7, unit="1/e-", low=0.0, high=1e-5, neutral=0.0)
-    corner_per_e: float = parameter(6e-8, unit="1/e-", low=0.0, high=1e-5, neutral=0.0)
+    row_per_e: float = parameter(1e-7, unit="1/e-", low=0.0, high=1e-4, neutral=0.0)
+    column_per_e: float = parameter(2.7e-7, unit="1/e-", low=0.0, high=1e-4, neutral=0.0)
+    corner_per_e: float = parameter(6e-8, unit="1/e-", low=0.0, high=1e-4, neutral=0.0)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """Electrons in and out, (n_lines, *sample)."""
