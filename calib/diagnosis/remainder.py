@@ -8,6 +8,7 @@ from scipy.stats import chi2, norm
 
 from calib.diagnosis.evidence import Evidence
 from calib.diagnosis.model import Model
+from calib.diagnosis.standing_out import N_STEPS
 
 Floats = NDArray[np.float64]
 
@@ -132,7 +133,7 @@ def _rest(model: Model, evidence: Evidence) -> list[Look]:
             (onset**2).sum(1),
         ),
         Look("tail", ("line",), events, float(evidence.rare_space.n_seen), by_block),
-        Look("mean", ("column",), steps, 10.0, flat),
+        Look("mean", ("column",), steps, 2.0 * N_STEPS, flat),
         Look("histogram", ("code",), codes, float(evidence.code_counts.n_numbers), flat),
     ]
 

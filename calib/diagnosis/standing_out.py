@@ -4,24 +4,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.mean_space import MeanSpace
+from calib.diagnosis.rare_space import whitened_counts
 
 Floats = NDArray[np.float64]
 
-STEPS_SIGMA = (5.0, 9.0, 16.0, 40.0)
-"""Pixels beyond these are counted, of their variances and of their means' misfit."""
-N_STEPS = len(STEPS_SIGMA) + 1
+NEAR_SIGMA, FAR_SIGMA = 5.0, 12.0
+"""Pixels between these and beyond are counted, of their variances and of their means' misfit."""
+N_STEPS = 3
 MAD_OF_NORMAL = 0.6745
 """Median absolute deviation of a standard normal variable."""
-CHANCE_COUNT = 0.05
-"""Variance of a count of pixels that should be 0."""
 
 
 def steps(z: Floats) -> Floats:
     """Return how many pixels stand out of all others: what all do is in the means."""
     middle = np.median(z)
     z = (z - middle) / max(float(np.median(np.abs(z - middle))) / MAD_OF_NORMAL, 1.0)
-    counts = np.array([(z > step).sum() for step in STEPS_SIGMA] + [(z < -5.0).sum()], float)
-    return np.asarray(counts / np.sqrt(CHANCE_COUNT + 0.1 * counts))
+    far = z > FAR_SIGMA
+    kinds = ((z > NEAR_SIGMA) & ~far, far, z < -NEAR_SIGMA)
+    return whitened_counts(np.array([kind.sum() for kind in kinds], np.float64))
 
 
 def misfit(space: MeanSpace, means: Floats, exposure_us: Floats, *, observed: bool) -> Floats:

@@ -14,6 +14,7 @@ from calib.diagnosis.known import beside
 from calib.diagnosis.search import find
 from calib.diagnosis.shapes import shapes_of
 from calib.diagnosis.signatures import signature
+from calib.diagnosis.told_shapes import told_shapes
 from calib.forward.effects.catalogue import effect_named
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 from tests.calib.diagnosis.trial import CASES, effects_of
@@ -26,7 +27,9 @@ def errors_of(name: str, values: dict[str, object] | None = None) -> dict[str, t
     model = plain_model(taps=2, layout="odd_even") if taps else plain_model()
     evidence = recorded(model, plan(rng), rng, effects_of(name, values, int(rng.integers(99))))
     responder = responder_of(evidence)
-    shapes = shapes_of(effect_named(name), scales_of(evidence, responder))
+    shapes = told_shapes(evidence).get(name)
+    if shapes is None:
+        shapes = shapes_of(effect_named(name), scales_of(evidence, responder))
     signatures = [signature(shape, evidence, responder) for shape in shapes]
     contest = Contest(tuple(s for s in signatures if s is not None), evidence, responder)
     found = find(contest, beside(None, evidence))
