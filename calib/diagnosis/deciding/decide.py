@@ -9,6 +9,7 @@ from calib.diagnosis.deciding.bench import BenchTime, at_the_pace_of, timed
 from calib.diagnosis.deciding.family import Option, options
 from calib.diagnosis.deciding.plan_text import plan_of
 from calib.diagnosis.deciding.planned import with_planned
+from calib.diagnosis.deciding.reduced import reduced
 from calib.diagnosis.deciding.rivals import Rivals, is_open, rivals_of
 from calib.diagnosis.deciding.separation import separation
 from calib.diagnosis.deciding.testable import made_testable
@@ -67,7 +68,7 @@ def next_measurement(
         f"tells {names}: {best.option.what}",
         plan,
         best.sigma,
-        separation(rivals, examined.evidence),
+        separation(rivals, *reduced(examined.evidence)),
         best.seconds,
         best.sigma >= wanted_sigma,
     )
@@ -82,11 +83,12 @@ def judged_plans(
     for option in options(evidence, bench):
         blocks, seconds = timed(option.plan, bench, ended_s + bench.starts_in_s)
         costed.append((seconds, option, blocks))
-    judged = []
+    judged, (small, factor) = [], reduced(evidence)
     for seconds, option, blocks in sorted(costed, key=lambda each: each[0]):
         if seconds > most_s:
             break
-        found = Judged(option, seconds, separation(rivals, with_planned(evidence, blocks)))
+        there = with_planned(small, blocks)
+        found = Judged(option, seconds, separation(rivals, there, factor))
         judged.append(found)
         if found.sigma >= wanted_sigma:
             break

@@ -34,7 +34,7 @@ def with_planned(evidence: Evidence, blocks: Sequence[Block]) -> Evidence:
     base = _with_means(evidence.baseline, table, evidence.sensor)
     first = len(evidence.sums)
     new = [
-        _expected_sums(b, base, table, evidence.sensor) for b in range(first, first + len(blocks))
+        expected_sums(b, base, table, evidence.sensor) for b in range(first, first + len(blocks))
     ]
     sums = (*evidence.sums, *new)
     return replace(evidence, sums=sums, table=table, baseline=base, whole=None)
@@ -88,7 +88,7 @@ def _with_means(base: Baseline, table: ConditionsTable, sensor: Sensor) -> Basel
     )
 
 
-def _expected_sums(b: int, base: Baseline, table: ConditionsTable, sensor: Sensor) -> BlockSums:
+def expected_sums(b: int, base: Baseline, table: ConditionsTable, sensor: Sensor) -> BlockSums:
     """Return what a block of exactly the expected moments would have left behind."""
     n, shape = int(table.n_lines[b]), base.mean_dn[b].shape
     variance = base.variance_dn2[b]

@@ -29,9 +29,16 @@ STEP = 0.1
 """Of a logarithm, for a derivative."""
 
 
-def separation(rivals: Rivals, evidence: Evidence) -> float:
-    """Return the least separation of any two rivals, whichever of them is true, tempered, sigma."""
-    return min((s * t for s, t in _of_pairs(rivals, evidence)), default=0.0)
+def separation(rivals: Rivals, evidence: Evidence, factor: float = 1.0) -> float:
+    """Return the least separation of any two rivals, whichever of them is true, tempered, sigma.
+
+    Args:
+        rivals: The names.
+        evidence: Of what is recorded and planned.
+        factor: By which sigmas are larger on the whole of the sensor.
+    """
+    pairs = [(s * factor, g * factor**2) for s, g in _of_pairs(rivals, evidence)]
+    return min((s * float(np.sqrt(temper(gain))) for s, gain in pairs), default=0.0)
 
 
 def distance(rivals: Rivals, evidence: Evidence) -> float:
@@ -40,14 +47,14 @@ def distance(rivals: Rivals, evidence: Evidence) -> float:
 
 
 def _of_pairs(rivals: Rivals, evidence: Evidence) -> list[tuple[float, float]]:
-    """Return the distance of each ordered pair, and the factor that tempers it."""
+    """Return the distance of each ordered pair, and the deviance that the true one explains."""
     responder = responder_of(evidence)
     beside = [d for m in rivals.others for d in _directions(m, evidence, responder)]
     each = [_directions(member, evidence, responder) for member in rivals.members]
     return [
         (
             _left_over(each[true][0], rivals.members[wrong], each[wrong], beside, evidence),
-            float(np.sqrt(temper(evidence.product(each[true][0], each[true][0])))),
+            evidence.product(each[true][0], each[true][0]),
         )
         for true in range(len(each))
         for wrong in range(len(each))

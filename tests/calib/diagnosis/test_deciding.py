@@ -12,6 +12,7 @@ from calib.diagnosis.deciding.bench import BenchTime, Taken, at_the_pace_of, tim
 from calib.diagnosis.deciding.decide import chosen, judged_plans, next_measurement
 from calib.diagnosis.deciding.family import Option, options
 from calib.diagnosis.deciding.planned import with_planned
+from calib.diagnosis.deciding.reduced import reduced
 from calib.diagnosis.deciding.rivals import Rivals, is_open, rivals_of
 from calib.diagnosis.deciding.separation import distance
 from calib.diagnosis.deciding.testable import newly_testable
@@ -128,6 +129,17 @@ def test_no_plan_saturates_and_each_costs_its_lines_and_lamps() -> None:
         dose = max(b.exposure_us * b.level for b in taken)
         assert np.median(base.offset_dn + base.slope * dose) < 0.9 * 4095
         assert [b.started_s for b in taken] == sorted(b.started_s or 0.0 for b in taken)
+
+
+def test_a_smaller_sensor_stands_for_the_whole_one() -> None:
+    whole = stray().evidence
+    small, factor = reduced(whole, COLUMNS // 3)
+    assert factor == pytest.approx(np.sqrt(3.0))
+    assert reduced(whole)[0] is whole
+    taken, _ = timed(with_dark().plan, BENCH, float(whole.table.started_s[-1]) + 5.0)
+    full, part = (distance(rivals(), with_planned(evidence, taken)) for evidence in (whole, small))
+    # The middle third is brighter by the vignette than all are: a few per cent of shot noise.
+    assert abs(part * factor / full - 1.0) < 0.2
 
 
 def test_the_pace_is_that_of_the_recording() -> None:
