@@ -5,44 +5,44 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.diagnosis import known_strengths
-from calib.diagnosis.all_signatures import all_signatures
-from calib.diagnosis.chain_run import FittedChain
-from calib.diagnosis.contest import Contest, contribution
-from calib.diagnosis.description import describe
-from calib.diagnosis.estimate import Estimate
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.figures import Figures
-from calib.diagnosis.findings import (
+from calib.diagnosis.answer import known_strengths
+from calib.diagnosis.answer.description import describe
+from calib.diagnosis.answer.estimate import Estimate
+from calib.diagnosis.answer.figures import Figures
+from calib.diagnosis.answer.findings import (
     Diagnosis,
     Finding,
     Fit,
     NamedCandidate,
     Unexplained,
 )
-from calib.diagnosis.fitted_evidence import evidence_of
-from calib.diagnosis.given_model import parameters_off
-from calib.diagnosis.heldout import HeldOut, HeldOutDeviances
-from calib.diagnosis.joint import joint, joint_images
-from calib.diagnosis.judgement import Candidate, candidates_of
-from calib.diagnosis.known import beside, known_departures, of_known_baseline
-from calib.diagnosis.limits import limits, too_few_frames
-from calib.diagnosis.locate import locate
-from calib.diagnosis.model import Member, Model
-from calib.diagnosis.parameter_off import ParameterOff
-from calib.diagnosis.remainder import CERTAIN_SIGMA, looks_at, worst
-from calib.diagnosis.requirements import check_can_be_diagnosed, check_determined
-from calib.diagnosis.response import Responder
-from calib.diagnosis.scene_light import steady_images
-from calib.diagnosis.scenes import with_steady_light
-from calib.diagnosis.search import find
-from calib.diagnosis.sensor import Sensor
-from calib.diagnosis.shapes import Scales, departures, shapes_of
-from calib.diagnosis.signatures import Signature
+from calib.diagnosis.answer.locate import locate
+from calib.diagnosis.baseline.requirements import check_can_be_diagnosed, check_determined
+from calib.diagnosis.baseline.scenes import with_steady_light
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.evidence.fitted_evidence import evidence_of
+from calib.diagnosis.given.given_model import parameters_off
+from calib.diagnosis.given.known import beside, known_departures, of_known_baseline
+from calib.diagnosis.given.parameter_off import ParameterOff
+from calib.diagnosis.naming.all_signatures import all_signatures
+from calib.diagnosis.naming.contest import Contest, contribution
+from calib.diagnosis.naming.heldout import HeldOut, HeldOutDeviances
+from calib.diagnosis.naming.judgement import Candidate, candidates_of
+from calib.diagnosis.naming.model import Member, Model
+from calib.diagnosis.naming.remainder import CERTAIN_SIGMA, looks_at, worst
+from calib.diagnosis.naming.search import find
+from calib.diagnosis.naming.shapes import Scales, departures, shapes_of
+from calib.diagnosis.naming.signatures import Signature
+from calib.diagnosis.naming.told_shapes import told_shapes
+from calib.diagnosis.recorded.joint import joint, joint_images
+from calib.diagnosis.recorded.limits import limits, too_few_frames
+from calib.diagnosis.recorded.scene_light import steady_images
+from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.simulation.chain_run import FittedChain
+from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.gather import gather
-from calib.diagnosis.steps import steps
-from calib.diagnosis.told_shapes import told_shapes
+from calib.diagnosis.statistics.steps import steps
 from calib.diagnosis.words.in_words import in_words
 from calib.forward.model import Model as ForwardModel
 from calib.forward.parameter import parameters_of

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from calib.diagnosis.amended import amended_model
+from calib.diagnosis.answer.amended import amended_model
+from calib.diagnosis.answer.findings import Diagnosis
 from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.findings import Diagnosis
 from calib.diagnosis.report.page import save_page
 from calib.recording.protocol import Recording
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
+from calib.diagnosis.answer.findings import Diagnosis
 from calib.diagnosis.deciding.bench import BenchTime
 from calib.diagnosis.deciding.decide import next_measurement
 from calib.diagnosis.deciding.rivals import is_open
 from calib.diagnosis.diagnose import Examination, diagnose
-from calib.diagnosis.findings import Diagnosis
-from calib.diagnosis.joint import joint
+from calib.diagnosis.recorded.joint import joint
 from calib.recording.open import open_recording
 from service.plan.model import Plan
 

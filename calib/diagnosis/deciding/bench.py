@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.diagnosis.conditions_table import ConditionsTable
+from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.recording.header import Block
 
 

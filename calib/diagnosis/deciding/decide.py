@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.diagnosis.deciding.answer import NextMeasurement
+from calib.diagnosis.answer.next_measurement import NextMeasurement
 from calib.diagnosis.deciding.bench import BenchTime, at_the_pace_of, timed
 from calib.diagnosis.deciding.family import Option, options
 from calib.diagnosis.deciding.plan_text import plan_of
@@ -14,8 +14,8 @@ from calib.diagnosis.deciding.rivals import Rivals, is_open, rivals_of
 from calib.diagnosis.deciding.separation import separation
 from calib.diagnosis.deciding.testable import made_testable
 from calib.diagnosis.diagnose import Examination
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.joint import Joint
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.recorded.joint import Joint
 from calib.recording.header import RecordingHeader
 
 ENOUGH_SIGMA = 5.0

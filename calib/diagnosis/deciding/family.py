@@ -10,7 +10,7 @@ import numpy as np
 from numpy.random import default_rng
 
 from calib.diagnosis.deciding.bench import BenchTime, Taken
-from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.evidence.evidence import Evidence
 from calib.forward.schedule import AMBIENT_C
 from calib.recording.header import Block
 

@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.baseline import CLEAR_SIGMA, Baseline
-from calib.diagnosis.code_counts import MOST_PIXELS
-from calib.diagnosis.conditions_table import ConditionsTable
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.baseline.baseline import CLEAR_SIGMA, Baseline
+from calib.diagnosis.baseline.code_counts import MOST_PIXELS
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.recorded.conditions_table import ConditionsTable
+from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.rare import RARE
 from calib.forward.scene import bar

@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.diagnosis.baseline import Baseline
+from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.deciding.planned import expected_sums
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.pooled import Counts
-from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.statistics.counts import Counts
 
 MOST_COLUMNS, MOST_ROWS = 512, 8
 

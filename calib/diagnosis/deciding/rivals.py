@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
-from calib.diagnosis.contest import Contest, contribution
+from calib.diagnosis.answer.findings import AMBIGUOUS, Finding
 from calib.diagnosis.diagnose import Examination, responder_of
-from calib.diagnosis.findings import AMBIGUOUS, Finding
-from calib.diagnosis.model import Member
-from calib.diagnosis.scores import scores
-from calib.diagnosis.signatures import retaken
+from calib.diagnosis.naming.contest import Contest, contribution
+from calib.diagnosis.naming.model import Member
+from calib.diagnosis.naming.scores import scores
+from calib.diagnosis.naming.signatures import retaken
 from calib.forward.departure import Departure
 from calib.forward.parameter import parameters_of
 

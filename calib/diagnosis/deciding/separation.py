@@ -14,16 +14,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.diagnosis.courses import course, is_free
 from calib.diagnosis.deciding.rivals import Rivals
 from calib.diagnosis.diagnose import responder_of
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.judgement import temper
-from calib.diagnosis.model import Member
-from calib.diagnosis.point import Point
-from calib.diagnosis.projection import orthonormal, without
-from calib.diagnosis.response import Responder
-from calib.diagnosis.signatures import change_of
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.evidence.point import Point
+from calib.diagnosis.evidence.projection import orthonormal, without
+from calib.diagnosis.naming.courses import course, is_free
+from calib.diagnosis.naming.judgement import temper
+from calib.diagnosis.naming.model import Member
+from calib.diagnosis.naming.signatures import change_of
+from calib.diagnosis.simulation.response import Responder
 
 STEP = 0.1
 """Of a logarithm, for a derivative."""

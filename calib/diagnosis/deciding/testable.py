@@ -3,13 +3,13 @@
 What each needs is told by the effect itself: see `calib.forward.plan_needs`.
 """
 
-from calib.diagnosis.deciding.answer import NextMeasurement
+from calib.diagnosis.answer.next_measurement import NextMeasurement
 from calib.diagnosis.deciding.bench import BenchTime, Taken, timed
 from calib.diagnosis.deciding.family import options
 from calib.diagnosis.deciding.plan_text import plan_of
 from calib.diagnosis.diagnose import Examination
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.shapes import departures
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.shapes import departures
 from calib.recording.header import RecordingHeader
 
 

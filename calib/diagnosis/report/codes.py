@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from calib.diagnosis.code_counts import CLASSES
+from calib.diagnosis.baseline.code_counts import CLASSES
 from calib.diagnosis.report.compared import Compared
 from calib.diagnosis.report.panel import AFTER, BEFORE, QUIET, RECORDED, Group, Panel, on_axes
 from calib.diagnosis.statistics.rare import FLIPS, RARE, rare_trials

@@ -10,9 +10,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.counts import grouped
 from calib.diagnosis.diagnose import Examination
-from calib.diagnosis.sensor import STRETCHES
+from calib.diagnosis.recorded.sensor import STRETCHES
+from calib.diagnosis.statistics.counts import grouped
 
 Floats = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from functools import partial
 
 from matplotlib.axes import Axes
 
-from calib.diagnosis.figures import Figures
+from calib.diagnosis.answer.figures import Figures
 from calib.diagnosis.report.codes import codes_group, rare_group
 from calib.diagnosis.report.compared import Compared
 from calib.diagnosis.report.lines import first_lines_group, rhythm_group

@@ -5,9 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
-from calib.diagnosis.pooled import ONSET_LINES
 from calib.diagnosis.report.compared import Compared
 from calib.diagnosis.report.panel import AFTER, BEFORE, QUIET, RECORDED, Group, Panel, on_axes
+from calib.diagnosis.statistics.pooled import ONSET_LINES
 
 Floats = NDArray[np.float64]
 

@@ -3,10 +3,10 @@
 import inspect
 from collections.abc import Sequence
 
-from calib.diagnosis.findings import AMBIGUOUS
-from calib.diagnosis.heldout import FOLDS
-from calib.diagnosis.remainder import CERTAIN_SIGMA
-from calib.diagnosis.search import THRESHOLD
+from calib.diagnosis.answer.findings import AMBIGUOUS
+from calib.diagnosis.naming.heldout import FOLDS
+from calib.diagnosis.naming.remainder import CERTAIN_SIGMA
+from calib.diagnosis.naming.search import THRESHOLD
 from calib.diagnosis.words.verdict import spoken
 from calib.forward.departure import Departure
 

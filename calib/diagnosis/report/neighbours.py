@@ -4,9 +4,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from calib.diagnosis.recorded.sensor import STRETCHES
 from calib.diagnosis.report.compared import Compared
 from calib.diagnosis.report.panel import AFTER, BEFORE, RECORDED, Group, Panel, on_axes
-from calib.diagnosis.sensor import STRETCHES
 from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS
 
 Floats = NDArray[np.float64]

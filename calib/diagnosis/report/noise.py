@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from calib.diagnosis.amended import beside
-from calib.diagnosis.baseline import Baseline
+from calib.diagnosis.answer.amended import beside
+from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.report.compared import Compared
 from calib.diagnosis.report.panel import AFTER, BEFORE, QUIET, RECORDED, Group, Panel, on_axes
 

@@ -2,7 +2,7 @@
 
 from matplotlib.axes import Axes
 
-from calib.diagnosis.radiance_error import RadianceError
+from calib.diagnosis.answer.radiance_error import RadianceError
 from calib.diagnosis.report.panel import AFTER, BEFORE, Panel, on_axes
 
 CAPTION = (

@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from calib.diagnosis.empirical_term import EmpiricalTerm
-from calib.diagnosis.remainder import CERTAIN_SIGMA
+from calib.diagnosis.answer.empirical_term import EmpiricalTerm
+from calib.diagnosis.naming.remainder import CERTAIN_SIGMA
 from calib.diagnosis.report.compared import Compared
 from calib.diagnosis.report.means import binned, by_column
 from calib.diagnosis.report.panel import AFTER, BEFORE, QUIET, Panel, on_axes

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import PADDING, BlockSums, Floats
 from calib.diagnosis.statistics.rare import rare_counts
 from calib.diagnosis.statistics.repeats import repeated_lines

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from calib.diagnosis.conditions_table import conditions_table
+from calib.diagnosis.recorded.conditions_table import conditions_table
 from calib.diagnosis.sums.diagnose import SumsExamination
 from calib.diagnosis.sums.names import departure, names_of
 from calib.errors import NotDeterminedError

@@ -13,9 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.diagnose import BASELINE
-from calib.diagnosis.figures import Figures
-from calib.diagnosis.findings import (
+from calib.diagnosis.answer.figures import Figures
+from calib.diagnosis.answer.findings import (
     Diagnosis,
     Finding,
     Fit,
@@ -23,9 +22,10 @@ from calib.diagnosis.findings import (
     Unexplained,
     Where,
 )
-from calib.diagnosis.heldout import HeldOut
-from calib.diagnosis.locate import placed
-from calib.diagnosis.remainder import CERTAIN_SIGMA
+from calib.diagnosis.answer.locate import placed
+from calib.diagnosis.diagnose import BASELINE
+from calib.diagnosis.naming.heldout import HeldOut
+from calib.diagnosis.naming.remainder import CERTAIN_SIGMA
 from calib.diagnosis.sums import words
 from calib.diagnosis.sums.names import EFFECTS, departure, names_of, parameters
 from calib.diagnosis.sums.prediction import Predicted, held_out, left_out, saturated

@@ -2,7 +2,7 @@
 
 from dataclasses import fields
 
-from calib.diagnosis.estimate import Estimate
+from calib.diagnosis.answer.estimate import Estimate
 from calib.forward.departure import Departure
 from calib.forward.effects.brighter_fatter import BrighterFatter
 from calib.forward.effects.nonlinearity import Nonlinearity

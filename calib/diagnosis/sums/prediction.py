@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.heldout import FOLDS, HeldOut
+from calib.diagnosis.naming.heldout import FOLDS, HeldOut
 from calib.transfer.photon_transfer.curve_data import CurveData
 from calib.transfer.photon_transfer.curve_fit import CurveFit, Model, fit_curve
 from calib.transfer.photon_transfer.means import Means, means_of

@@ -2,13 +2,13 @@
 
 from dataclasses import replace
 
-from calib.diagnosis.amended import beside
-from calib.diagnosis.empirical import empirical_term
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.findings import Diagnosis, Finding
-from calib.diagnosis.hidden import absorbed_of, hid_as
-from calib.diagnosis.model import Model
-from calib.diagnosis.radiance_check import radiance_error
+from calib.diagnosis.answer.amended import beside
+from calib.diagnosis.answer.empirical import empirical_term
+from calib.diagnosis.answer.findings import Diagnosis, Finding
+from calib.diagnosis.answer.hidden import absorbed_of, hid_as
+from calib.diagnosis.answer.radiance_check import radiance_error
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.model import Model
 from calib.diagnosis.words.scales import RecordingScales
 from calib.diagnosis.words.sentences import sentence_of
 from calib.diagnosis.words.telling import Telling

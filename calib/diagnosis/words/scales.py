@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.diagnosis.evidence import Evidence
+from calib.diagnosis.evidence.evidence import Evidence
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.diagnosis.estimate import Estimate
+from calib.diagnosis.answer.estimate import Estimate
 from calib.diagnosis.words.scales import RecordingScales
 from calib.forward.departure import Departure
 from calib.forward.drift import settled

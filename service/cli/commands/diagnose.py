@@ -67,9 +67,10 @@ def _examined(opened: list[Any], given: Any, tell: Callable[[float], None]) -> t
 
     Sums have a way of their own, and nothing of the second.
     """
-    from calib.diagnosis import amended, diagnose  # noqa: PLC0415
+    from calib.diagnosis import diagnose  # noqa: PLC0415
+    from calib.diagnosis.answer import amended  # noqa: PLC0415
     from calib.diagnosis.deciding.decide import decided  # noqa: PLC0415
-    from calib.diagnosis.joint import joint  # noqa: PLC0415
+    from calib.diagnosis.recorded.joint import joint  # noqa: PLC0415
     from calib.diagnosis.sums import amended as amended_by_sums  # noqa: PLC0415
     from calib.diagnosis.sums.diagnose import diagnose_sums  # noqa: PLC0415
 

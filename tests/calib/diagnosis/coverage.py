@@ -8,13 +8,13 @@ import sys
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.contest import Contest
 from calib.diagnosis.diagnose import estimates_of, responder_of, scales_of
-from calib.diagnosis.known import beside
-from calib.diagnosis.search import find
-from calib.diagnosis.shapes import shapes_of
-from calib.diagnosis.signatures import signature
-from calib.diagnosis.told_shapes import told_shapes
+from calib.diagnosis.given.known import beside
+from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.search import find
+from calib.diagnosis.naming.shapes import shapes_of
+from calib.diagnosis.naming.signatures import signature
+from calib.diagnosis.naming.told_shapes import told_shapes
 from calib.forward.effects.catalogue import effect_named
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 from tests.calib.diagnosis.trial import CASES, effects_of

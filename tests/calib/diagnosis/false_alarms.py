@@ -10,10 +10,10 @@ from secrets import randbits
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.contest import Contest
 from calib.diagnosis.diagnose import responder_of, signatures_of
-from calib.diagnosis.known import beside
-from calib.diagnosis.remainder import worst
+from calib.diagnosis.given.known import beside
+from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.remainder import worst
 from calib.forward.model import Model as ForwardModel
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 

@@ -5,9 +5,9 @@
 
 `draw` takes single effects, of shapes that the catalogue has and has not, from the concealed
 generator, seeded by an origin of your own; it diagnoses each and writes what every name explains in
-the place of what was found. `fit` prints the template error (see `calib.diagnosis.judgement`) under
-which the true names are likeliest, with its standard uncertainty, and how stated probabilities were
-kept on the other half of the findings.
+the place of what was found. `fit` prints the template error (see
+`calib.diagnosis.naming.judgement`) under which the true names are likeliest, with its standard
+uncertainty, and how stated probabilities were kept on the other half of the findings.
 """
 
 import json
@@ -19,9 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.diagnosis.contest import Contest
 from calib.diagnosis.diagnose import diagnose, responder_of
-from calib.diagnosis.judgement import TEMPLATE_ERROR, nets_of, temper, told
+from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.judgement import TEMPLATE_ERROR, nets_of, temper, told
 from calib.recording.open import open_recording
 from tests.concealed.generator.answer import take_case
 from tests.concealed.generator.folder import write_folder

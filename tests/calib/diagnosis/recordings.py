@@ -6,10 +6,10 @@ import numpy as np
 from numpy.random import Generator
 
 from calib.arrays import Columns
-from calib.diagnosis.conditions_table import conditions_table
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.fitted_evidence import evidence_of
-from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.evidence.fitted_evidence import evidence_of
+from calib.diagnosis.recorded.conditions_table import conditions_table
+from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.gather import block_sums
 from calib.forward.effect import Effect
 from calib.forward.effects.adc import Adc

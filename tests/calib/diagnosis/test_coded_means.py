@@ -2,8 +2,8 @@ import numpy as np
 from numpy.random import default_rng
 from scipy.stats import norm
 
-from calib.diagnosis.chain_run import FittedChain
-from calib.diagnosis.coded_means import NODES, coded_means
+from calib.diagnosis.simulation.chain_run import FittedChain
+from calib.diagnosis.simulation.coded_means import NODES, coded_means
 from calib.forward.effects.black_clip import BlackClip
 from calib.forward.effects.stuck_bit import StuckBit
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded

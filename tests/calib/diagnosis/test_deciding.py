@@ -17,8 +17,8 @@ from calib.diagnosis.deciding.rivals import Rivals, is_open, rivals_of
 from calib.diagnosis.deciding.separation import distance
 from calib.diagnosis.deciding.testable import newly_testable
 from calib.diagnosis.diagnose import Examination, examine, responder_of
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.signatures import change_of
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.signatures import change_of
 from calib.forward.departure import Departure
 from calib.forward.effect import Effect
 from calib.forward.effects.stray_light import StrayLight

@@ -6,11 +6,11 @@ import pytest
 from numpy.random import default_rng
 
 from calib.arrays import Columns
-from calib.diagnosis.description import describe
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.findings import Where
-from calib.diagnosis.known import beside
-from calib.diagnosis.remainder import worst
+from calib.diagnosis.answer.description import describe
+from calib.diagnosis.answer.findings import Where
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.given.known import beside
+from calib.diagnosis.naming.remainder import worst
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 
 COLUMNS = 128

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from calib.diagnosis.designed_noise import DesignedNoise
-from calib.diagnosis.designed_normals import (
+from calib.diagnosis.simulation.designed_noise import DesignedNoise
+from calib.diagnosis.simulation.designed_normals import (
     NEIGHBOURS,
     WIDTH,
     designed_normals,

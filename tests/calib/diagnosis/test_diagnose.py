@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from calib.diagnosis.amended import amended_model
-from calib.diagnosis.given_model import parameters_off
-from calib.diagnosis.requirements import check_can_be_diagnosed
+from calib.diagnosis.answer.amended import amended_model
+from calib.diagnosis.baseline.requirements import check_can_be_diagnosed
+from calib.diagnosis.given.given_model import parameters_off
 from calib.errors import NotDeterminedError
 from calib.forward.effect import Effect
 from calib.forward.effects.interpixel_capacitance import InterpixelCapacitance

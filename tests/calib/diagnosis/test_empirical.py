@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from calib.diagnosis.amended import amended_model
-from calib.diagnosis.empirical import best_term, empirical_term
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.known import beside
-from calib.diagnosis.shapes import departures
+from calib.diagnosis.answer.amended import amended_model
+from calib.diagnosis.answer.empirical import best_term, empirical_term
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.given.known import beside
+from calib.diagnosis.naming.shapes import departures
 from calib.errors import InputError
 from calib.forward.effect import Effect
 from calib.forward.effects.empirical import Empirical

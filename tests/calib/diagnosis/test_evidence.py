@@ -5,8 +5,8 @@ import pytest
 from numpy.random import default_rng
 
 from calib.arrays import Columns
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.scene_light import has_known_light, steady_images
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.recorded.scene_light import has_known_light, steady_images
 from calib.forward.model import Model
 from calib.recording.header import Block, CameraHeader, RecordingHeader
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded

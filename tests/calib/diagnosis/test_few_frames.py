@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.diagnosis.conditions_table import conditions_table
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.few_samples import excess_as_normal, lagged_variance
-from calib.diagnosis.fitted_evidence import evidence_of
-from calib.diagnosis.limits import limits
-from calib.diagnosis.remainder import Look
-from calib.diagnosis.requirements import check_can_be_diagnosed
-from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.baseline.requirements import check_can_be_diagnosed
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.evidence.fitted_evidence import evidence_of
+from calib.diagnosis.naming.remainder import Look
+from calib.diagnosis.recorded.conditions_table import conditions_table
+from calib.diagnosis.recorded.limits import limits
+from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.statistics.few_samples import excess_as_normal, lagged_variance
 from calib.diagnosis.statistics.gather import gather
 from calib.errors import NotDeterminedError
 from calib.recording.folder_recording import FolderRecording

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from calib.diagnosis.joint import HOURS_APART_S, joint
-from calib.diagnosis.nuisance import regressors
+from calib.diagnosis.baseline.nuisance import regressors
+from calib.diagnosis.recorded.joint import HOURS_APART_S, joint
 from calib.errors import InputError
 from calib.forward.effects.offset import Offset
 from calib.recording.header import Block, CameraHeader, RecordingHeader

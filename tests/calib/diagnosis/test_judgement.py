@@ -1,7 +1,7 @@
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.judgement import told
+from calib.diagnosis.naming.judgement import told
 from tests.calib.diagnosis.probabilities import Found, fit, reliability
 
 ERROR = 0.05

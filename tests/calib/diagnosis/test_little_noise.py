@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.diagnosis.baseline import hidden_by_rounding, unrounded
+from calib.diagnosis.baseline.baseline import hidden_by_rounding, unrounded
 from calib.forward.effects.offset import Offset
 from calib.forward.model import Model
 from calib.recording.header import Block

@@ -1,6 +1,6 @@
 import numpy as np
 
-from calib.diagnosis.mean_space import mean_space
+from calib.diagnosis.evidence.mean_space import mean_space
 
 
 def test_products_are_those_of_the_full_covariance_without_what_pixels_absorb() -> None:

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.conditions_table import ConditionsTable, conditions_table
-from calib.diagnosis.monitor import LEAST_STD, UNKNOWN_STD, light_change, readings_of
+from calib.diagnosis.recorded.conditions_table import ConditionsTable, conditions_table
+from calib.diagnosis.recorded.monitor import LEAST_STD, UNKNOWN_STD, light_change, readings_of
 from calib.forward.departure import Departure
 from calib.forward.effects.gain_drift import GainDrift
 from calib.forward.effects.lamp_drift import LampDrift

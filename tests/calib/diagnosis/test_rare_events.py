@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from calib.diagnosis.rare_space import FIRST, RareSpace, whitened_counts
-from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.evidence.rare_space import FIRST, RareSpace, whitened_counts
+from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.gather import block_sums
 from calib.diagnosis.statistics.rare import RARE
 from calib.recording.header import CameraHeader

@@ -1,6 +1,6 @@
 import numpy as np
 
-from calib.diagnosis.sensor import Sensor
+from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.gather import block_sums
 from calib.diagnosis.statistics.rare import RARE
 from calib.diagnosis.statistics.repeats import repeated_lines

@@ -5,14 +5,14 @@ import numpy as np
 from numpy.random import default_rng
 
 from calib.arrays import Columns
-from calib.diagnosis.contest import Contest
 from calib.diagnosis.diagnose import responder_of, scales_of
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.known import beside
-from calib.diagnosis.model import Model
-from calib.diagnosis.search import find
-from calib.diagnosis.shapes import shapes_of
-from calib.diagnosis.signatures import signature
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.given.known import beside
+from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.model import Model
+from calib.diagnosis.naming.search import find
+from calib.diagnosis.naming.shapes import shapes_of
+from calib.diagnosis.naming.signatures import signature
 from calib.forward.effect import Effect
 from calib.forward.effects.catalogue import effect_named
 from calib.forward.effects.gain_drift import GainDrift

@@ -9,8 +9,8 @@ from numpy.random import default_rng
 from scipy.stats import chi2
 
 from calib.diagnosis.diagnose import responder_of
-from calib.diagnosis.evidence import Evidence
-from calib.diagnosis.signatures import change_of
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.signatures import change_of
 from calib.forward.departure import Departure
 from calib.forward.effects.brighter_fatter import BrighterFatter
 from calib.forward.effects.cti import Cti

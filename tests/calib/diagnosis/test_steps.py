@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.diagnosis import known_strengths
-from calib.diagnosis.steps import SHORTEST, highest_step
+from calib.diagnosis.answer import known_strengths
+from calib.diagnosis.statistics.steps import SHORTEST, highest_step
 from calib.forward.effects.brighter_fatter import BrighterFatter
 from calib.forward.effects.nonlinearity import Nonlinearity
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from numpy.random import Generator, default_rng
 
-from calib.diagnosis.amended import amended_model
+from calib.diagnosis.answer.amended import amended_model
 from calib.diagnosis.diagnose import diagnose
 from calib.errors import DarkflatError
 from calib.forward.departure import Departure

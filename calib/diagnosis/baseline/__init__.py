@@ -1,0 +1,1 @@
+"""The plain model fitted to a recording."""

@@ -1,0 +1,207 @@
+"""The histogram of all codes against what Gaussian noise about the fitted means would give."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.baseline.baseline import Baseline
+from calib.diagnosis.statistics.block_sums import BlockSums
+from calib.kernels.expected_histogram import expected_histogram
+
+Floats = NDArray[np.float64]
+
+TAIL_CHANCE = 30.0
+"""Variance of the counts at and below the lowest code, where Gaussian tails are not exact."""
+MOST_CONTRAST = 30.0
+"""In standard deviations: one code that is far off is not the roughness of all."""
+SMOOTH_DN2 = 0.35
+"""Below this variance most samples of a pixel share a code, and their histogram is no Gaussian."""
+CLASSES = 16
+"""Codes are also counted by their remainder after this: what repeats within it is a comb."""
+BIT_ERROR = 0.0015
+"""Of the share in which a high bit is set: where its edges lie hangs on means, and on skewness."""
+UNEVEN_ERROR = 0.05
+"""Likewise of a class's share, of what it differs by from that of all."""
+SHARE_ERROR = 0.01
+"""Likewise of a single code's, relative, where noise is low."""
+NEAR_END = 3
+"""So many codes from the lowest on are not compared with others: codes may stop there."""
+STEEP = 1.5
+"""Neighbouring codes that differ by more than this factor are not compared."""
+EVEN = 0.2
+"""A class whose expected share is off by more than this share hangs on the means."""
+MOSTLY = 0.9
+"""A lit block of which fewer pixels are usable saturates."""
+ENOUGH = 50.0
+"""Codes with fewer samples expected than this are not judged one by one."""
+MOST_PIXELS = 4096
+"""Of each block; more give the same smooth expectation."""
+
+
+@dataclass(frozen=True)
+class CodeCounts:
+    """Observed and expected samples by code, (n_codes,) each, and how many were simulated."""
+
+    observed: Floats
+    expected: Floats
+
+    @classmethod
+    def of(cls, sums: Sequence[BlockSums], baseline: Baseline) -> "CodeCounts":
+        """Return both histograms of a recording."""
+        fine = fine_blocks(baseline)
+        histograms = [f * each.histogram for f, each in zip(fine, sums, strict=True)]
+        observed = np.sum(histograms, axis=0).astype(np.float64)
+        if not fine.any():
+            observed[0] = 1.0
+        expected = np.zeros(len(observed))
+        for b in np.flatnonzero(fine).tolist():
+            each = sums[b]
+            # Where codes stop, means are not those of the light: what other blocks say holds.
+            stopped = baseline.usable[b].mean() < MOSTLY
+            mean = (baseline.mean_dn[b] if stopped else each.mean_dn).ravel()
+            step = max(1, len(mean) // MOST_PIXELS)
+            # Rounding is in the variance that was fitted, and done once more here.
+            variance = np.maximum(baseline.variance_dn2[b].ravel() - 1.0 / 12.0, 0.01)
+            # Samples scatter less about their own mean than about the true one.
+            variance *= 1.0 - 1.0 / each.n_lines
+            share = len(mean) / len(mean[::step])
+            expected += expected_histogram(
+                mean[::step], np.sqrt(variance[::step]), each.n_lines * share, len(observed)
+            )
+        return cls(observed, expected)
+
+    @property
+    def samples(self) -> float:
+        """All samples."""
+        return float(self.observed.sum())
+
+    @property
+    def n_numbers(self) -> int:
+        """How many numbers `whitened` gives."""
+        return CLASSES + self._bits + 3
+
+    def residual(self) -> Floats:
+        """Return observed less expected shares, (1, n_codes)."""
+        return ((self.observed - self.expected) / self.samples)[None]
+
+    def whitened(self, shares: Floats) -> Floats:
+        """Return comb, high bits, roughness, and what is at the lowest code and below, over std.
+
+        Args:
+            shares: Change of the share of samples by code, (1, n_codes) of a recording, (2,
+                n_codes) of two simulated draws: what both of them show is no chance.
+        """
+        mean = shares.mean(axis=0)
+        low = self._lowest
+        ends = np.array([mean[:low].sum(), mean[low]]) * self.samples
+        expected = np.array([self.expected[:low].sum(), self.expected[low]])
+        tails = ends / np.sqrt(TAIL_CHANCE + expected)
+        comb = self._by_class(mean) / self._class_std
+        return np.concatenate([comb, self.high_bits(mean), [self._roughness(shares)], tails])
+
+    def comb(self, period: int) -> Floats:
+        """Return observed over expected samples by the code's remainder, (period,), of mean 1."""
+        whole = len(self.observed) // period * period
+        above = np.arange(whole) >= self._lowest + NEAR_END
+        counts = (above * x[:whole] for x in (self.observed, self.expected))
+        seen, due = (x.reshape(-1, period).sum(axis=0) for x in counts)
+        ratio = seen / np.maximum(due, 1.0)
+        return np.asarray(ratio / ratio.mean()) if ratio.all() else np.ones(period)
+
+    def high_bits(self, share: Floats) -> Floats:
+        """Return by how many standard deviations bits beyond the comb are set too often."""
+        codes = np.arange(len(share))
+        masks = [(codes >> bit & 1).astype(bool) for bit in range(4, 4 + self._bits)]
+        off = np.array([float(share[mask].sum()) for mask in masks])
+        return np.asarray(off / np.hypot(0.5 / np.sqrt(self.samples), BIT_ERROR))
+
+    @property
+    def _bits(self) -> int:
+        return int(np.log2(len(self.observed))) - 4
+
+    def _by_class(self, share: Floats) -> Floats:
+        above = np.where(np.arange(len(share)) < self._lowest + NEAR_END, 0.0, share)
+        return np.asarray(above.reshape(-1, CLASSES).sum(axis=0))
+
+    @cached_property
+    def _class_std(self) -> Floats:
+        """Standard deviations of the classes' shares; one that hangs on means has none.
+
+        Where single codes are found to be wide or narrow, classes scatter by that, too.
+        """
+        share = self._by_class(self.expected) / self.samples
+        scattered = self._by_class(self.expected**2) / self.samples**2 * self._scatter2
+        hangs = (UNEVEN_ERROR * (share - 1.0 / CLASSES)) ** 2
+        std = np.sqrt(np.maximum(share, 1e-12) / self.samples + scattered + hangs)
+        return np.where(np.abs(share * CLASSES - 1.0) < EVEN, std, np.inf)
+
+    @cached_property
+    def _scatter2(self) -> float:
+        """Variance of the codes' widths, as contrasts of neighbouring codes tell it."""
+        judged = self._judged
+        if judged.sum() < 8:
+            return 0.0
+        contrast, variance = self._contrasts(self.residual()[0])
+        return max(
+            float((np.minimum(contrast**2, MOST_CONTRAST**2 * variance) - variance).mean()) / 1.5,
+            0.0,
+        )
+
+    @cached_property
+    def _judged(self) -> NDArray[np.bool_]:
+        enough = self.expected > ENOUGH
+        judged = enough & np.roll(enough, 1) & np.roll(enough, -1)
+        # On the flank of a peak the shape of the noise counts, not the width of codes.
+        for way in (1, -1):
+            ratio = self.expected / np.maximum(np.roll(self.expected, way), 1e-9)
+            judged &= (ratio < STEEP) & (ratio > 1.0 / STEEP)
+        judged[: self._lowest + NEAR_END] = False
+        return judged
+
+    @cached_property
+    def _lowest(self) -> int:
+        """The lowest code that was seen."""
+        return int(np.flatnonzero(self.observed)[0])
+
+    def _roughness(self, shares: Floats) -> float:
+        """Return the sum of squared contrasts of neighbouring codes beyond chance, over its std."""
+        judged = self._judged
+        n_judged = int(judged.sum())
+        if n_judged < 8:
+            return 0.0
+        one, variance = self._contrasts(shares[0])
+        other, _ = self._contrasts(shares[-1])
+        most = MOST_CONTRAST * np.sqrt(variance)
+        product = np.clip(one, -most, most) * np.clip(other, -most, most)
+        chance = float(n_judged) if len(shares) == 1 else 0.0
+        return float(((product / variance).sum() - chance) / np.sqrt(4.0 * n_judged))
+
+    def _contrasts(self, share: Floats) -> tuple[Floats, Floats]:
+        """Return each judged code against its neighbours, relative, and the variance by chance."""
+        judged = self._judged
+        scale = self.samples / np.maximum(self.expected, 1e-9)
+        inverse = 1.0 / np.maximum(self.expected, 1.0) + SHARE_ERROR**2
+        variance = inverse + 0.25 * (np.roll(inverse, 1) + np.roll(inverse, -1))
+        return _contrast(share * scale)[judged], variance[judged]
+
+
+def fine_blocks(baseline: Baseline) -> NDArray[np.bool_]:
+    """Return the blocks, (n_blocks,), whose noise spreads samples over codes smoothly.
+
+    Full wells and codes at full scale spread them otherwise.
+    """
+    smooth = baseline.variance_dn2.mean(axis=(1, 2)) > SMOOTH_DN2
+    return np.asarray(smooth & ~saturated_blocks(baseline))
+
+
+def saturated_blocks(baseline: Baseline) -> NDArray[np.bool_]:
+    """Return the lit blocks, (n_blocks,), of which pixels are not usable: they are full."""
+    lit = baseline.dose.max(axis=(1, 2)) > 0
+    return np.asarray(lit & (baseline.usable.mean(axis=(1, 2)) < MOSTLY))
+
+
+def _contrast(values: Floats) -> Floats:
+    return np.asarray(values - 0.5 * (np.roll(values, 1) + np.roll(values, -1)))

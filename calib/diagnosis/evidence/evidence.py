@@ -1,0 +1,306 @@
+"""A recording's statistics against the baseline, whitened: what is looked for signatures in."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.baseline.baseline import Baseline
+from calib.diagnosis.baseline.code_counts import CodeCounts, saturated_blocks
+from calib.diagnosis.baseline.nuisance import regressors, scene_blocks
+from calib.diagnosis.evidence.growing import Growing
+from calib.diagnosis.evidence.mean_space import MeanSpace, mean_space
+from calib.diagnosis.evidence.noise_directions import noise_directions
+from calib.diagnosis.evidence.point import Point
+from calib.diagnosis.evidence.rare_space import RareSpace
+from calib.diagnosis.evidence.standing_out import N_STEPS, misfit, steps
+from calib.diagnosis.recorded.conditions_table import ConditionsTable
+from calib.diagnosis.recorded.monitor import MonitorReadings, readings_of
+from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.statistics.block_sums import BlockSums
+from calib.diagnosis.statistics.change import Change
+from calib.diagnosis.statistics.common_noise import CommonNoise
+from calib.diagnosis.statistics.counts import Counts
+from calib.diagnosis.statistics.expected import expected
+from calib.diagnosis.statistics.few_samples import excess_as_normal
+from calib.diagnosis.statistics.gather import CUT_SIGMA
+from calib.diagnosis.statistics.pooled import ONSET_LINES, Pooled, places, pooled
+from calib.diagnosis.statistics.tones import Peak, find_peaks
+from calib.rounding import mean_square_bias
+
+Floats = NDArray[np.float64]
+
+NEAR_EVENTS = 3.0
+"""So many samples nearly stand out for each that does."""
+LEAST_EVENTS = 0.5
+"""Of them in a group of pixels and a block: one more or less is no sign of anything."""
+TONE_ERROR = 0.08
+"""Of squared amplitudes: a tone lies between two frequencies of the spectrum."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What was recorded, the baseline fitted to it, and how to weigh differences.
+
+    Attributes:
+        sums: Of the blocks.
+        table: Their conditions.
+        sensor: The sensor.
+        baseline: As fitted.
+        counts: Of the sensor.
+        common: Noise that a line's pixels share.
+        kept: Blocks that count, where some are left out.
+        whole: The space of the means of all pixels, where noisy ones are left out of `space`.
+        known_peaks: Of the spectra, where they have been looked for.
+        growing: Pixels that grow with the exposure: their means count, at a variance of their own.
+    """
+
+    sums: tuple[BlockSums, ...]
+    table: ConditionsTable
+    sensor: Sensor
+    baseline: Baseline
+    counts: Counts
+    common: CommonNoise
+    whole: MeanSpace | None = None
+    kept: NDArray[np.bool_] | None = None
+    known_peaks: tuple[Peak, ...] | None = None
+    growing: Growing | None = None
+
+    @cached_property
+    def places(self) -> dict[str, slice]:
+        """Where each kind of pooled statistic stands in a block's vector."""
+        return places(self.sensor)
+
+    @property
+    def n_blocks(self) -> int:
+        """How many blocks there are."""
+        return len(self.sums)
+
+    @cached_property
+    def n(self) -> Floats:
+        """Lines of each block."""
+        return np.array([each.n_lines for each in self.sums], np.float64)
+
+    def _fourths_of_events(self) -> Floats:
+        """Return by how much kurtosis scatters with single samples that nearly stand out.
+
+        Each of them has the fourth power of up to the cut at which samples are counted instead.
+        """
+        sigma = np.sqrt(self.baseline.variance_dn2.mean(axis=(1, 2)))[:, None]
+        samples = np.maximum(self.n[:, None] * self.counts.pixels, 1.0)
+        events = LEAST_EVENTS + NEAR_EVENTS * self.rare_space.rate[:, None] * samples
+        return np.asarray((CUT_SIGMA + 1.0 / sigma) ** 4 / (3.0 * samples) * np.sqrt(events))
+
+    @property
+    def saturated(self) -> NDArray[np.bool_]:
+        """Which blocks, (n_blocks,), have wells or codes that are full."""
+        return saturated_blocks(self.baseline)
+
+    @cached_property
+    def space(self) -> MeanSpace:
+        """The space of the means."""
+        variance = self.baseline.variance_dn2.reshape(self.n_blocks, -1).copy()
+        noisy = set(self.sensor.noisy)
+        if self.growing is not None:
+            variance[:, self.growing.pixels] = self.growing.variance_dn2
+            noisy -= set(self.growing.pixels.tolist())
+        sampling = variance / self.n[:, None] + mean_square_bias(
+            np.sqrt(np.maximum(variance - 1.0 / 12.0, 0.0))
+        )
+        usable = self.baseline.usable.reshape(self.n_blocks, -1)
+        weight = np.where(usable, 1.0 / np.sqrt(sampling), 0.0)
+        weight[:, sorted(noisy)] = 0.0
+        signal = (self.baseline.mean_dn - self.baseline.offset_dn).reshape(self.n_blocks, -1)
+        modes = np.concatenate([np.ones_like(signal), signal])
+        lines = self.n * self.sensor.n_rows
+        per_block = self.common.memory / lines
+        strength = np.concatenate(
+            [self.common.fixed_dn2 * per_block, self.common.relative * per_block]
+        )
+        block = np.tile(np.arange(self.n_blocks), 2)
+        return mean_space(weight, regressors(self.table, signal.shape), modes, block, strength)
+
+    @cached_property
+    def expected(self) -> tuple[tuple[Pooled, Pooled], ...]:
+        """Each block's pooled statistics as the baseline expects them, and their deviations."""
+        pairs = []
+        for b in range(self.n_blocks):
+            gain = self.baseline.gain_dn_per_e[self.sensor.tap]
+            signal = np.maximum(self.baseline.mean_dn[b] - self.baseline.offset_dn, 0.0)
+            variance = self.baseline.variance_dn2[b]
+            pair = expected(variance, gain**3 * signal, int(self.n[b]), self.sensor, self.counts)
+            shared = self.common.fixed_dn2 + self.common.relative * float(signal.mean()) ** 2
+            for kind in ("common", "common_taps", "common_1", "common_2"):
+                white = np.maximum(pair[0].of["common"].mean(), 1e-300)
+                pair[1].of[kind] *= 1.0 + shared / white
+            pairs.append(pair)
+        return tuple(pairs)
+
+    @cached_property
+    def pooled_std(self) -> Floats:
+        """Standard deviations of the pooled statistics, (n_blocks, n_pooled); inf: not used."""
+        std = np.stack([std.vector() for _, std in self.expected])
+        # The noise of pixels side by side in bright and dark parts has no common level.
+        std[scene_blocks(self.table)] = np.inf
+        where = self.places["kurtosis"]
+        std[:, where] = np.hypot(std[:, where], self._fourths_of_events())
+        # Where wells or codes are full, noise is not the light's.
+        std[self.saturated] = np.inf
+        if self.kept is not None:
+            std[~self.kept] = np.inf
+        return std
+
+    @cached_property
+    def rare_space(self) -> RareSpace:
+        """Where rare events are counted."""
+        counts = np.stack([each.rare for each in self.sums])
+        variance = self.baseline.variance_dn2.mean(axis=(1, 2))
+        return RareSpace.of(counts, self.n, self.sensor.n_pixels, variance)
+
+    @cached_property
+    def rest_places(self) -> dict[str, slice]:
+        """Where each kind of statistic besides the means stands in a point's `rest`."""
+        sizes = {
+            "pooled": self.pooled_std.size,
+            "onset": self.n_blocks * ONSET_LINES,
+            "rare": self.rare_space.n_sums,
+        }
+        if self.kept is None:
+            sizes |= {"steps": 2 * N_STEPS, "codes": self.code_counts.n_numbers}
+        found, start = {}, 0
+        for kind, size in sizes.items():
+            found[kind] = slice(start, start + size)
+            start += size
+        return found
+
+    @cached_property
+    def code_counts(self) -> CodeCounts:
+        """What the histogram of codes is compared with."""
+        return CodeCounts.of(self.sums, self.baseline)
+
+    @cached_property
+    def monitor(self) -> MonitorReadings:
+        """What the monitor read."""
+        return readings_of(self.table)
+
+    def observed(self) -> Change:
+        """Return the differences of what was recorded from what the baseline expects."""
+        vectors, onset = [], np.zeros((self.n_blocks, ONSET_LINES))
+        squares = np.zeros(self.sensor.n_pixels)
+        for b, each in enumerate(self.sums):
+            variance = self.baseline.variance_dn2[b]
+            values = pooled(each.products, each.n_lines, variance, self.sensor, self.counts)
+            vectors.append(values.vector() - self.expected[b][0].vector())
+            line = each.products.line_means.mean(axis=(1, 2))
+            k = min(ONSET_LINES, len(line) // 2)
+            onset[b, :k] = line[:k] - line[len(line) // 2 :].mean()
+            squares += (each.products.squares / variance).ravel()
+        means = np.stack([each.mean_dn.ravel() for each in self.sums])
+        means = means - self.baseline.mean_dn.reshape(means.shape)
+        freedom = (self.n - 1).sum() * (1.0 - 1.0 / self.counts.smallest_tap)
+        return Change(
+            means, onset, np.stack(vectors), self.rare_space.seen,
+            excess_as_normal(squares / freedom, float(freedom)),
+            self.code_counts.residual(),
+            self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),
+            self.misfit(means, observed=True),
+            np.zeros_like(squares),
+            self.monitor.observed,
+        )  # fmt: skip
+
+    def point(self, change: Change) -> Point:
+        """Return a change in the whitened space, without what the baseline absorbs."""
+        means = self.space.project(change.means)
+        pool = np.where(
+            np.isfinite(self.pooled_std) & (self.pooled_std > 0),
+            change.pooled / np.where(self.pooled_std > 0, self.pooled_std, 1.0), 0.0,
+        ).ravel()  # fmt: skip
+        for direction in self._noise_directions:
+            pool = pool - direction * float(direction @ pool)
+        if self.kept is not None:
+            gone = ~self.kept
+            onset = np.where(gone[:, None], 0.0, change.onset / self._onset_std)
+            rare = self.rare_space.whitened(change.rare, self.kept)
+            tones = np.where(gone[:, None], 0.0, change.tones / self._tone_std)
+            return Point(means, np.concatenate([pool, onset.ravel(), rare, tones.ravel()]))
+        rest = np.concatenate(
+            [
+                pool,
+                (change.onset / self._onset_std).ravel(),
+                self.rare_space.whitened(change.rare),
+                steps(change.pixel_variance * np.sqrt((self.n - 1).sum() / 2.0)),
+                steps(change.pixel_misfit),
+                self.code_counts.whitened(change.codes),
+                (change.tones / self._tone_std).ravel(),
+                self.monitor.whitened(change.monitor),
+            ]
+        )
+        return Point(means, rest)
+
+    def derivative(self, change: Change, about: Change) -> Point:
+        """Return the whitened derivative of statistics that move by `change` from `about` on."""
+        small = 0.1
+        found = (self.point(about + change * small) - self.point(about)) * (1.0 / small)
+        # Counts are whitened along a curve, and rates may be far larger than what is seen of them.
+        found.rest[self.rest_places["rare"]] = self.rare_space.derivative(
+            change.rare, about.rare, self.kept
+        )
+        return found
+
+    def without_blocks(self, blocks: NDArray[np.intp]) -> "Evidence":
+        """Return the evidence of the other blocks, statistics of all blocks together left out."""
+        kept = np.ones(self.n_blocks, bool)
+        kept[blocks] = False
+        usable = self.baseline.usable & kept[:, None, None]
+        baseline = replace(self.baseline, usable=usable)
+        return replace(self, baseline=baseline, kept=kept, whole=None, known_peaks=self.peaks)
+
+    def product(self, one: Point, other: Point) -> float:
+        """Return the inner product."""
+        return self.space.product(one.means, other.means) + float(one.rest @ other.rest)
+
+    @cached_property
+    def signal_dn(self) -> Floats:
+        """Mean signal of each block, (n_blocks,)."""
+        return np.asarray((self.baseline.mean_dn - self.baseline.offset_dn).mean(axis=(1, 2)))
+
+    @cached_property
+    def peaks(self) -> tuple[Peak, ...]:
+        """Tones that stand out of the spectra."""
+        if self.known_peaks is not None:
+            return self.known_peaks
+        return find_peaks(self.sums, self.signal_dn)
+
+    def _of_peaks(self, values: Sequence[Sequence[float]]) -> Floats:
+        """Return what each peak has in each block, (n_blocks, n_peaks)."""
+        return np.array(values).reshape(-1, self.n_blocks).T
+
+    @property
+    def _tone_std(self) -> Floats:
+        floor = self._of_peaks([p.std_dn2 for p in self.peaks])
+        values = self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks])
+        smooth = np.maximum(values, 0.0).mean(axis=0)
+        return np.asarray(np.sqrt(floor**2 + 2.0 * floor * smooth + (TONE_ERROR * smooth) ** 2))
+
+    @cached_property
+    def _onset_std(self) -> Floats:
+        std = np.full((self.n_blocks, ONSET_LINES), np.inf)
+        for b in range(1, self.n_blocks):
+            signal = float((self.baseline.mean_dn[b] - self.baseline.offset_dn).mean())
+            white = float(self.baseline.variance_dn2[b].mean()) / self.sensor.n_pixels
+            shared = self.common.fixed_dn2 + self.common.relative * signal**2
+            if self.n[b] >= 2 * ONSET_LINES:
+                std[b] = np.sqrt((white + shared / self.sensor.n_rows) * (1.0 + 2.0 / self.n[b]))
+        return std
+
+    @cached_property
+    def _noise_directions(self) -> tuple[Floats, ...]:
+        """Whitened changes of the pooled variances with each tap's gain and read noise."""
+        return noise_directions(self.pooled_std, self.baseline, self.sensor, self.counts)
+
+    def misfit(self, means: Floats, *, observed: bool) -> Floats:
+        """Return by how many standard deviations each pixel's means, DN, miss the baseline."""
+        space = self.space if self.whole is None else self.whole
+        return misfit(space, means, self.table.exposure_us, observed=observed)

@@ -1,0 +1,1 @@
+"""A model that somebody believes in, beside what a recording says."""

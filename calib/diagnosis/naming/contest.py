@@ -1,0 +1,176 @@
+"""Names that compete for one place of a model: each is fitted in it, with all that it can adapt.
+
+What a signature explains before it is fitted tells little of how names compare: strong effects
+bend, and grids are coarse. The likeliest few are fitted, inner parameters and all, beside the
+other effects; what is left then, and what each shape's freedom costs, is what they are told apart
+by.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import log, pi, sqrt
+
+import numpy as np
+
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.evidence.point import Point
+from calib.diagnosis.evidence.projection import orthonormal, without
+from calib.diagnosis.naming.courses import PRICE, course, is_free
+from calib.diagnosis.naming.model import Member, Model
+from calib.diagnosis.naming.refit import misfit, refitted
+from calib.diagnosis.naming.scores import Score, best_by_name, scores, sharpened
+from calib.diagnosis.naming.shapes import Shape
+from calib.diagnosis.naming.signatures import Signature
+from calib.diagnosis.simulation.response import Responder
+from calib.diagnosis.statistics.change import Change
+
+INNER_RANGE = log(100.0)
+"""Inner parameters are as likely at every logarithm within two decades."""
+WORTH_FREEING = 16.0
+"""Deviance, after its price, from which on a course is freed: what chance seldom reaches."""
+
+
+@dataclass(frozen=True)
+class Contest:
+    """What competes, and for what.
+
+    Attributes:
+        signatures: Of all effects.
+        evidence: What they are to explain.
+        responder: Takes signatures anew.
+        free: Whether courses in time are left free where that is worth its price.
+    """
+
+    signatures: tuple[Signature, ...]
+    evidence: Evidence
+    responder: Responder
+    free: bool = False
+
+    @cached_property
+    def shapes(self) -> dict[str, int]:
+        """How many shapes of each effect are tried, by name."""
+        names = [each.shape.name for each in self.signatures]
+        return {name: names.count(name) for name in names}
+
+    def ranking(self, model: Model, k: int | None = None, *, worth: float = 0.0) -> list[Score]:
+        """Return what each name explains of what `model` leaves, the best first.
+
+        Args:
+            model: Whose other members keep what they explain; their names do not compete.
+            k: A member whose place is looked at: what it explains is to be explained, too.
+            worth: The best of them are looked at closely where they explain more than this.
+        """
+        named = {m.signature.shape.name for m in model.members}
+        left = [s for s in self.signatures if s.shape.name not in named]
+        directions = self._of_others(model, k)
+        residual = model.residual
+        if k is not None:
+            residual = residual + contribution(model.members[k])
+        ranked = scores(left, residual, directions, self.evidence)
+        if ranked and ranked[0].net > worth:
+            sharper = sharpened(ranked, self.evidence, self.responder)
+            again = scores(sharper, residual, directions, self.evidence)
+            ranked = [
+                replace(s, net=s.gain - self.price_of_shape(s.signature.shape)) for s in again
+            ]
+        basis = orthonormal(directions, self.evidence)
+        freed = [self._freed(score, residual, basis) for score in best_by_name(ranked)]
+        return sorted(freed, key=lambda score: -score.net)
+
+    def _freed(self, score: Score, residual: Point, basis: Sequence[Point]) -> Score:
+        """Return the score with its course in time left free where that is worth its price."""
+        if not self.free or score.gain <= WORTH_FREEING or not is_free(score.signature):
+            return score
+        parts = course(score.signature, residual, self.evidence)
+        beside = [*basis, *orthonormal([without(score.signature.point, basis, self.evidence)],
+                                       self.evidence)]  # fmt: skip
+        free = orthonormal([without(p, beside, self.evidence) for _, p in parts], self.evidence)
+        more = sum(self.evidence.product(each, residual) ** 2 for each in free)
+        price = PRICE * len(parts)
+        if more - price < WORTH_FREEING:
+            return score
+        return replace(score, gain=score.gain + more, net=score.net + more - price, course=parts)
+
+    def placed(self, model: Model, k: int | None, score: Score) -> Model:
+        """Return the model with one effect more, or with it in the place of `k`, refitted."""
+        members = list(model.members)
+        if k is None:
+            members.append(_unfitted(score))
+        else:
+            members[k] = _unfitted(score)
+        return self.refitted(model, members)
+
+    def refitted(self, model: Model, members: Sequence[Member]) -> Model:
+        """Return the model with those members, all fitted anew."""
+        if not members:
+            return replace(
+                model, members=(), change=None, residual=model.first, baseline=model.started
+            )
+        return refitted(replace(model, members=tuple(members)), self.evidence, self.responder)
+
+    def own_gain(self, model: Model, k: int) -> float:
+        """Return the deviance that member `k` explains beside the others, linearly."""
+        others = self._of_others(model, k)
+        own = contribution(model.members[k])
+        rest = without(own, orthonormal(others, self.evidence), self.evidence)
+        residual = model.residual + own
+        product = self.evidence.product
+        return 2.0 * product(rest, residual) - product(rest, rest)
+
+    def _of_others(self, model: Model, k: int | None) -> list[Point]:
+        """Return the directions in which the other members can adapt."""
+        others = [m for j, m in enumerate(model.members) if j != k]
+        return [d for m in others for d in (*m.directions, *(point for _, point in m.course))]
+
+    def penalised(self, model: Model) -> float:
+        """Return what a model leaves, and what its members cost."""
+        return misfit(model, self.evidence) + sum(self.price_of(m) for m in model.members)
+
+    def price_of_shape(self, shape: Shape) -> float:
+        """Return the price, in deviance, of having tried all shapes of a name, and fitted this."""
+        return 2.0 * log(max(self.shapes.get(shape.name, 1), 1)) + shape.cost
+
+    def price_of(self, member: Member) -> float:
+        """Return the price of a fitted member.
+
+        A parameter that the data determine to s of its logarithm, of a range W that it might have
+        lain in, costs 2 ln(W / (s sqrt(2 pi))): Laplace's evidence.
+        """
+        freedom = (
+            2.0 * log(INNER_RANGE / (max(std, 1e-6) * sqrt(2.0 * pi))) for std in member.std[1:]
+        )
+        price = self.price_of_shape(member.signature.shape) + PRICE * len(member.course)
+        return price + sum(max(f, 0.0) for f in freedom)
+
+
+def contribution(member: Member) -> Point:
+    """Return what the member contributes, linearly: its strength times its direction."""
+    point = member.directions[0] * _share(member)
+    for (_, part), much in zip(member.course, member.course_fit, strict=True):
+        point = point + part * much
+    return point
+
+
+def contribution_change(member: Member) -> Change:
+    """Return the same of the statistics themselves."""
+    change = member.changes[0] * _share(member)
+    for (part, _), much in zip(member.course, member.course_fit, strict=True):
+        change = change + part * much
+    return change
+
+
+def _share(member: Member) -> float:
+    return 1.0 if member.signature.shape.fixed else member.strength / member.signature.power
+
+
+def _unfitted(score: Score) -> Member:
+    signature = score.signature
+    ratio = abs(score.amplitude) ** (1.0 / signature.power)
+    strength = float(np.sign(score.amplitude) * ratio * signature.strength)
+    if signature.shape.fixed:
+        strength = 1.0
+    return Member(
+        signature, strength, {}, (0.0,), (signature.change,), (signature.point,),
+        score.course, (0.0,) * len(score.course),
+    )  # fmt: skip

@@ -1,0 +1,189 @@
+"""Fits the strengths of all effects found, and what else the data determine of them, jointly."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.evidence.point import Point
+from calib.diagnosis.evidence.projection import orthonormal, without
+from calib.diagnosis.naming.courses import freed, with_courses
+from calib.diagnosis.naming.model import Member, Model
+from calib.diagnosis.naming.rebase import rebased
+from calib.diagnosis.naming.signatures import change_of, is_of_events
+from calib.diagnosis.simulation.response import Responder
+from calib.diagnosis.statistics.change import Change
+
+Floats = NDArray[np.float64]
+
+STEPS = 5
+"""Of Gauss and Newton."""
+LEAST_STEP = 0.05
+"""In standard deviations: smaller steps end the fit."""
+DETERMINED = 3.0
+"""A parameter joins the fit where its logarithm is determined to one over this."""
+RELATIVE_STEP = 0.1
+"""Of a derivative."""
+FARTHEST = 0.7
+"""By so much a logarithm may move at a time."""
+
+
+def refitted(model: Model, evidence: Evidence, responder: Responder) -> Model:
+    """Return the model with all parameters fitted jointly, by Gauss and Newton."""
+    best = _prepared(_fitted(model, evidence, responder), evidence, responder)
+    return _fitted(best, evidence, responder)
+
+
+def _fitted(model: Model, evidence: Evidence, responder: Responder) -> Model:
+    members, best, baseline = model.members, None, model.baseline
+    for turn in range(STEPS):
+        about = responder.about(baseline)
+        plain = change_of(tuple(m.effect for m in members), evidence, about)
+        members = tuple(
+            _differentiated(k, members, plain, evidence, about) for k in range(len(members))
+        )
+        members = with_courses(members, model.first - evidence.point(plain), evidence)
+        change = plain + freed(members, plain)
+        residual = model.first - evidence.point(change)
+        steps, std = _solved(members, residual, evidence)
+        members = _with_std(members, std)
+        now = replace(model, members=members, change=change, residual=residual, baseline=baseline)
+        if best is None or misfit(now, evidence) < misfit(best, evidence):
+            best = now
+        moving = _moving(members)
+        small = np.abs(steps) < LEAST_STEP * np.maximum(std, 1e-300)
+        if not moving.any() or (small[moving].all() and turn > 0):
+            break
+        members = _stepped(members, steps)
+        baseline = rebased(baseline, model.observed - change, evidence)
+    assert best is not None  # noqa: S101 - a step was taken
+    return best
+
+
+def _moving(members: Sequence[Member]) -> NDArray[np.bool_]:
+    """Return which parameters can be stepped: a shape without strength has none to step."""
+    flags = [
+        not (member.signature.shape.fixed and k == 0)
+        for member in members
+        for k in range(len(member.directions))
+    ]
+    return np.array(flags)
+
+
+def misfit(model: Model, evidence: Evidence) -> float:
+    """Return the squared length of what remains."""
+    return evidence.product(model.residual, model.residual)
+
+
+def _solved(
+    members: Sequence[Member], residual: Point, evidence: Evidence
+) -> tuple[Floats, Floats]:
+    """Return the steps of all parameters, and their standard uncertainties."""
+    moving = _moving(members)
+    directions = [d for m in members for d in m.directions]
+    gram = np.array([[evidence.product(a, b) for b in directions] for a in directions])
+    along = np.array([evidence.product(d, residual) for d in directions])
+    gram[~moving] = gram[:, ~moving] = 0.0
+    gram[~moving, ~moving] = 1.0
+    along[~moving] = 0.0
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    covariance = np.linalg.pinv(gram * np.outer(scale, scale), rcond=1e-9) * np.outer(scale, scale)
+    return covariance @ along, np.sqrt(np.maximum(np.diag(covariance), 0.0))
+
+
+def _prepared(model: Model, evidence: Evidence, responder: Responder) -> Model:
+    """Return the model with those inner parameters in the fit that the data determine."""
+    members, about = list(model.members), responder.about(model.baseline)
+    plain = model.change - freed(members, model.change) if model.change is not None else None
+    for k, member in enumerate(members):
+        if member.inner or member.course:
+            continue
+        scaled = [d for m in members if not m.signature.shape.fixed for d in m.directions]
+        basis = orthonormal(scaled, evidence)
+        inner: dict[str, float] = {}
+        for name in member.signature.shape.inner:
+            value = float(getattr(member.signature.shape.template, name))
+            trial = replace(member, inner={**inner, name: value})
+            moved = [*members[:k], trial, *members[k + 1 :]]
+            direction = _differentiated(k, moved, plain, evidence, about).directions[-1]
+            rest = without(direction, basis, evidence)
+            if evidence.product(rest, rest) > DETERMINED**2:
+                inner[name] = value
+                basis += orthonormal([rest], evidence)
+        members[k] = replace(member, inner=inner)
+    return replace(model, members=tuple(members))
+
+
+def _with_std(members: Sequence[Member], std: Floats) -> tuple[Member, ...]:
+    found, start = [], 0
+    for member in members:
+        stop = start + len(member.directions)
+        found.append(replace(member, std=tuple(float(s) for s in std[start:stop])))
+        start = stop
+    return tuple(found)
+
+
+def _stepped(members: Sequence[Member], steps: Floats) -> tuple[Member, ...]:
+    """Return the members one step on."""
+    found, start = [], 0
+    for member in members:
+        step, *others = steps[start : start + len(member.directions)]
+        start += len(member.directions)
+        inner = {
+            name: value * float(np.exp(np.clip(s, -FARTHEST, FARTHEST)))
+            for (name, value), s in zip(member.inner.items(), others, strict=True)
+        }
+        found.append(replace(member, strength=_moved(member, float(step)), inner=inner))
+    return tuple(found)
+
+
+def _moved(member: Member, step: float) -> float:
+    """Return the strength one step on; one that has a sign keeps it and shrinks by 4 at most."""
+    if member.signature.shape.fixed:
+        return member.strength
+    strength = member.strength + step
+    if member.signature.shape.two_sided:
+        return strength
+    return min(max(strength, 0.25 * member.strength), 10.0 * member.strength)
+
+
+def by_events(member: Member) -> bool:
+    """Return whether single events make the effect: a little more of it adds none to a few lines.
+
+    It is compared with none of it then, not with a little more.
+    """
+    shape = member.signature.shape
+    return member.effect.stochastic and not shape.two_sided and member.strength > 0
+
+
+def _differentiated(
+    k: int,
+    members: Sequence[Member],
+    change: Change | None,
+    evidence: Evidence,
+    responder: Responder,
+) -> Member:
+    """Return member `k` with derivatives by its strength and by its inner logarithms."""
+    member = members[k]
+    assert change is not None  # noqa: S101 - members change something
+    size = RELATIVE_STEP * (abs(member.strength) or member.signature.strength)
+    trials = [(replace(member, strength=member.strength + size), size)]
+    found = []
+    if member.signature.shape.fixed:
+        trials, found = [], [change]
+    elif by_events(member):
+        others = tuple(m.effect for j, m in enumerate(members) if j != k)
+        alone = change - change_of(others, evidence, responder)
+        linear = is_of_events(member.signature.shape, responder)
+        power = 1.0 if linear else member.signature.power
+        trials, found = [], [alone * (power / member.strength)]
+    for name, value in member.inner.items():
+        inner = {**member.inner, name: value * float(np.exp(RELATIVE_STEP))}
+        trials.append((replace(member, inner=inner), RELATIVE_STEP))
+    for trial, step in trials:
+        effects = tuple(trial.effect if j == k else m.effect for j, m in enumerate(members))
+        found.append((change_of(effects, evidence, responder) - change) * (1.0 / step))
+    points = tuple(evidence.derivative(each, change) for each in found)
+    return replace(member, changes=tuple(found), directions=points)

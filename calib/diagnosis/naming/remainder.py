@@ -1,0 +1,166 @@
+"""What no effect explains: a remainder is looked at in several ways, and described."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2, norm
+
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.evidence.standing_out import N_STEPS
+from calib.diagnosis.naming.model import Model
+
+Floats = NDArray[np.float64]
+
+CERTAIN_SIGMA = 5.0
+"""A remainder beyond this, all ways of looking counted, is not chance."""
+IMPERFECT_SHARE = 0.01
+"""Of the deviance explained: signatures are not exact, and leave this much behind."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """One way of looking at a remainder.
+
+    Attributes:
+        statistic: In which it shows, as the answer calls it.
+        depends_on: What it follows.
+        deviance: Squared length.
+        freedom: What chance gives on average.
+        blocks: By how much each block contributes, (n_blocks,).
+    """
+
+    statistic: str
+    depends_on: tuple[str, ...]
+    deviance: float
+    freedom: float
+    blocks: Floats
+
+    def sigma(self, explained: float, looks: int) -> float:
+        """Return how far from chance it is, in standard deviations, all looks counted."""
+        deviance = self.deviance - IMPERFECT_SHARE * explained
+        # Of one signal and a dark nothing is left of the means, and nothing is to be judged.
+        if self.freedom <= 0 or deviance <= self.freedom:
+            return 0.0
+        log_p = float(chi2.logsf(deviance, self.freedom)) + float(np.log(looks))
+        if log_p < -600.0:
+            return float(np.sqrt(deviance - self.freedom))
+        return float(max(norm.isf(np.exp(min(log_p, -1e-9))), 0.0))
+
+
+def looks_at(model: Model, evidence: Evidence) -> tuple[Look, ...]:
+    """Return the remainder of a model in all ways of looking."""
+    return (*_means(model, evidence), *_pooled(model, evidence), *_rest(model, evidence))
+
+
+def _means(model: Model, evidence: Evidence) -> list[Look]:
+    residual = model.residual.means
+    weight = evidence.space.weight
+    columns = np.linspace(-1.0, 1.0, residual.shape[1])
+    signal = (evidence.baseline.mean_dn - evidence.baseline.offset_dn).reshape(residual.shape)
+    looks = [
+        Look(
+            "mean", ("column",), float((residual**2).sum()),
+            float(evidence.space.degrees_of_freedom), (residual**2).sum(axis=1),
+        )
+    ]  # fmt: skip
+    for depends, profile in (("time", np.ones_like(signal)), ("column", columns + 0 * signal)):
+        energies, freedom = np.zeros(len(residual)), 0
+        lines = evidence.n * evidence.sensor.n_rows
+        common = evidence.common
+        shared = (
+            (common.fixed_dn2 + common.relative * evidence.signal_dn**2) * common.memory / lines
+        )
+        for b in range(len(residual)):
+            white = profile[b] * weight[b]
+            length2 = float(white @ white)
+            if length2 > 0:
+                along2 = float(white @ residual[b]) ** 2 / length2
+                inflated = 1.0 + shared[b] * length2 if depends == "time" else 1.0
+                energies[b], freedom = along2 / inflated, freedom + 1
+        absorbed = min(len(evidence.space.basis), max(freedom - 1, 0))
+        looks.append(
+            Look(
+                "mean",
+                (depends, "signal"),
+                float(energies.sum()),
+                max(freedom - absorbed, 1),
+                energies,
+            )
+        )
+    return looks
+
+
+def _pooled(model: Model, evidence: Evidence) -> list[Look]:
+    n = evidence.pooled_std.size
+    pooled = model.residual.rest[:n].reshape(evidence.pooled_std.shape)
+    used = np.isfinite(evidence.pooled_std) & (evidence.pooled_std > 0)
+    kinds = {
+        "variance": ("variance", ("signal",)),
+        "kurtosis": ("tail", ("line",)),
+        "columns_1": ("column_covariance", ("column",)),
+        "columns_2": ("column_covariance", ("column",)),
+        "lines_1": ("line_covariance", ("line",)),
+        "lines_2": ("line_covariance", ("line",)),
+        "rows": ("column_covariance", ("column",)),
+        "partners": ("column_covariance", ("tap",)),
+        "common": ("spectrum", ("line",)),
+        "common_1": ("spectrum", ("line",)),
+    }
+    looks = []
+    for kind, (statistic, depends) in kinds.items():
+        where = evidence.places[kind]
+        freedom = float(used[:, where].sum())
+        if freedom > 0:
+            energy = (pooled[:, where] ** 2).sum(axis=1)
+            looks.append(Look(statistic, depends, float(energy.sum()), freedom, energy))
+            averaged = pooled[:, where].sum() ** 2 / freedom
+            looks.append(Look(statistic, depends, float(averaged), 1.0, energy))
+    return looks
+
+
+def _rest(model: Model, evidence: Evidence) -> list[Look]:
+    b, of = evidence.n_blocks, {k: model.residual.rest[v] for k, v in evidence.rest_places.items()}
+    onset = of["onset"].reshape(b, -1)
+    events, steps, codes = (float((of[k] ** 2).sum()) for k in ("rare", "steps", "codes"))
+    by_block, flat = evidence.rare_space.by_block(model.observed.rare), np.zeros(b)
+    return [
+        Look(
+            "transient",
+            ("previous_block",),
+            float((onset**2).sum()),
+            3.0 * (b - 1),
+            (onset**2).sum(1),
+        ),
+        Look("tail", ("line",), events, float(evidence.rare_space.n_seen), by_block),
+        Look("mean", ("column",), steps, 2.0 * N_STEPS, flat),
+        Look("histogram", ("code",), codes, float(evidence.code_counts.n_numbers), flat),
+    ]
+
+
+def worst(model: Model, evidence: Evidence) -> tuple[Look, float]:
+    """Return the way of looking in which the remainder is farthest from chance, and how far."""
+    looks = looks_at(model, evidence)
+    explained = explained_deviance(model, evidence)
+    ranked = [(look, look.sigma(explained, len(looks))) for look in looks]
+    return max(ranked, key=lambda pair: pair[1])
+
+
+def unexplained_deviance(model: Model, evidence: Evidence) -> float:
+    """Return by how much the remainder exceeds chance where it does so most; 0 where nowhere."""
+    looks = looks_at(model, evidence)
+    explained = explained_deviance(model, evidence)
+    excess = (
+        look.deviance - IMPERFECT_SHARE * explained - look.freedom
+        for look in looks
+        if look.sigma(explained, len(looks)) > CERTAIN_SIGMA
+    )
+    return max(excess, default=0.0)
+
+
+def explained_deviance(model: Model, evidence: Evidence) -> float:
+    """Return the deviance that all effects of a model explain together."""
+    if not model.members:
+        return 0.0
+    before, after = (evidence.product(p, p) for p in (model.first, model.residual))
+    return max(before - after, 0.0)

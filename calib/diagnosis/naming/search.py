@@ -1,0 +1,113 @@
+"""Looks for the catalogue's effects: adds the best, refits all, and puts names to the test.
+
+A greedy search ends where it began. So the likeliest few names are fitted before one of them is
+added, and when all are there each has to stand against what could take its place now: what looked
+like one effect may be two, of which the first name was neither.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.model import Model
+from calib.diagnosis.naming.remainder import unexplained_deviance
+from calib.diagnosis.naming.scores import Score
+from calib.diagnosis.naming.support import supported
+
+THRESHOLD = 16.0
+"""Deviance, after its penalty, that chance alone reaches in about two of a hundred recordings."""
+MOST_EFFECTS = 4
+IMPERFECT = 0.002
+"""Of the deviance that a strong effect explains so much may be left: a signature that errs by e of
+its length leaves e^2, and e is about 0.03 (see `calib.diagnosis.naming.judgement`); twice that."""
+CLOSE = 25.0
+"""Names within so much deviance of the best one may be better once they are fitted."""
+CLOSE_SHARE = 0.15
+"""So may those within this share of what the best one explains: shapes are that coarse."""
+MOST_FITTED = 2
+"""So many names are fitted for one place."""
+ROUNDS = 2
+"""Of exchanges."""
+BETTER = 4.0
+"""Deviance by which a name has to be better than one that has the place."""
+
+
+def find(contest: Contest, nothing: Model) -> Model:
+    """Return the effects that explain the recording better than chance, jointly fitted.
+
+    Where one shape of the catalogue does not explain all, courses in time are left free in a
+    search of its own: one name whose course is free may be simpler than several names.
+
+    Args:
+        contest: What is looked for.
+        nothing: The model in which nothing has been found yet.
+    """
+    model = _searched(contest, nothing)
+    left = unexplained_deviance(model, contest.evidence)
+    if len(model.members) > 1 or left > 0.0:
+        freed = _searched(replace(contest, free=True), nothing)
+        # A course that may be any other has no excuse for what it leaves.
+        if unexplained_deviance(freed, contest.evidence) == 0.0:
+            model = min((model, freed), key=lambda m: _cost(m, contest))
+    return supported(model, contest)
+
+
+def _cost(model: Model, contest: Contest) -> float:
+    return contest.penalised(model) + THRESHOLD * len(model.members)
+
+
+def _searched(contest: Contest, nothing: Model) -> Model:
+    """Return the effects that are found one after the other, each put to the test at the end."""
+    model, most, tested = nothing, 0.0, False
+    while True:
+        ranked = contest.ranking(model, worth=THRESHOLD / 2)
+        full = len(model.members) >= MOST_EFFECTS
+        if full or not ranked or ranked[0].net < max(THRESHOLD, IMPERFECT * most):
+            settled = _pruned(_exchanged(model, contest), contest)
+            if settled is model or tested:
+                return settled
+            model, tested = settled, True
+            continue
+        most = max(most, ranked[0].gain)
+        grown = _pruned(_best_placed(model, None, ranked, contest), contest)
+        if contest.penalised(grown) > contest.penalised(model) - THRESHOLD:
+            return model
+        model = grown
+
+
+def _best_placed(model: Model, k: int | None, ranked: Sequence[Score], contest: Contest) -> Model:
+    """Return the model with the best of the likeliest names in its place, each of them fitted."""
+    least = ranked[0].net - CLOSE - CLOSE_SHARE * ranked[0].net
+    close = [s for s in ranked[:MOST_FITTED] if s.net > max(least, THRESHOLD)] or ranked[:1]
+    return min((contest.placed(model, k, score) for score in close), key=contest.penalised)
+
+
+def _exchanged(model: Model, contest: Contest) -> Model:
+    """Return the model with names exchanged for such as explain more beside the others."""
+    for _ in range(ROUNDS):
+        trials = [model]
+        for k in range(len(model.members)):
+            own = contest.own_gain(model, k)
+            worth = max(own - CLOSE - CLOSE_SHARE * own, THRESHOLD)
+            ranked = contest.ranking(model, k, worth=worth)
+            if ranked and ranked[0].net > worth:
+                trials.append(_best_placed(model, k, ranked, contest))
+        best = min(trials, key=contest.penalised)
+        if contest.penalised(best) > contest.penalised(model) - BETTER:
+            return model
+        model = best
+    return model
+
+
+def _pruned(model: Model, contest: Contest) -> Model:
+    """Return the model without effects that explain no more than chance beside the others."""
+    if not model.members:
+        return model
+    gains = [contest.own_gain(model, k) for k in range(len(model.members))]
+    least = int(np.argmin(gains))
+    if gains[least] - contest.price_of(model.members[least]) > THRESHOLD:
+        return model
+    kept = [m for j, m in enumerate(model.members) if j != least]
+    return _pruned(contest.refitted(model, kept), contest)

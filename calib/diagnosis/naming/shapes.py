@@ -1,0 +1,289 @@
+"""The shapes in which an effect is looked for: its strength, and a grid of all else it has.
+
+The grid follows from the parameters' units and bounds and from the recording's own scales: how long
+it lasted, how bright it got, how many columns it has. No effect is known by its name here.
+"""
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, isfinite
+
+import numpy as np
+
+from calib.diagnosis.simulation.with_values import with_values
+from calib.forward.departure import Departure
+from calib.forward.effects.catalogue import CATALOGUE
+from calib.forward.parameter import Parameter, parameters_of
+from calib.forward.remembering import Remembering
+from calib.recording.header import CameraHeader
+
+MOST_TOGETHER = 12
+"""Grids of several parameters are crossed up to so many shapes."""
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What sizes a recording has.
+
+    Attributes:
+        camera: The camera.
+        duration_s: From its start to its end.
+        line_period_s: From line to line.
+        most_e: The largest mean charge.
+        radiance: The largest radiance.
+        lowest_dn: The lowest code that was seen.
+        tones_hz: Frequencies that stand out of the spectrum.
+    """
+
+    camera: CameraHeader
+    duration_s: float
+    line_period_s: float
+    most_e: float
+    radiance: float
+    lowest_dn: int
+    tones_hz: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """An effect but for its strength.
+
+    Attributes:
+        template: The effect at strength 1, and what its other parameters are.
+        varied: The parameters that the strength scales, with their values at strength 1.
+        two_sided: Whether the strength may be negative.
+        freedom: How many numbers were fitted to the recording to arrive at this shape.
+    """
+
+    template: Departure
+    varied: tuple[tuple[str, float | tuple[float, ...], float], ...]
+    two_sided: bool
+    freedom: float = 0.0
+
+    @property
+    def cost(self) -> float:
+        """Deviance that it explains by chance: what it was fitted to is what it is tried on."""
+        return 2.0 * self.freedom
+
+    @property
+    def name(self) -> str:
+        """The effect's name."""
+        return self.template.name
+
+    def at(self, strength: float, inner: Mapping[str, float] | None = None) -> Departure:
+        """Return the effect at a strength, held within the bounds of its parameters.
+
+        Args:
+            strength: Times the varied parameters' distance from where they change nothing.
+            inner: Values of other parameters, in place of the shape's own.
+        """
+        told = parameters_of(type(self.template))
+        values: dict[str, object] = {
+            name: _held(value, told[name].low, told[name].high)
+            for name, value in (inner or {}).items()
+        }
+        for name, unit, neutral in self.varied:
+            low, high = told[name].low, told[name].high
+            if isinstance(unit, tuple):
+                values[name] = tuple(_held(neutral + strength * u, low, high) for u in unit)
+            else:
+                values[name] = _held(neutral + strength * unit, low, high)
+        return with_values(self.template, values)
+
+    @property
+    def inner(self) -> tuple[str, ...]:
+        """The positive numbers besides the strength that a fit may move, those at a bound not."""
+        if self.freedom:
+            return ()
+        told, varied = parameters_of(type(self.template)), {name for name, _, _ in self.varied}
+        return tuple(
+            name
+            for name, parameter in told.items()
+            if name not in varied
+            and isinstance(value := getattr(self.template, name), float)
+            and 0.0 < value < parameter.high
+            and parameter.low < value
+            and not name.startswith("reference")
+            and parameter.unit not in {"rad", "Hz", "degree Celsius"}
+        )
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it has no strength: a grid of its own stands for it."""
+        return not self.varied
+
+
+def departures() -> tuple[type[Departure], ...]:
+    """Return all of the catalogue that can be looked for."""
+    return tuple(kind for kind in CATALOGUE if issubclass(kind, Departure))
+
+
+def shapes_of(kind: type[Departure], scales: Scales) -> tuple[Shape, ...]:
+    """Return the shapes of an effect, the plainest first."""
+    told = parameters_of(kind)
+    default = _fitted_to_camera(kind, scales)
+    if default is None:
+        return ()
+    strengths = [n for n, p in told.items() if _is_strength(getattr(default, n), p)]
+    grids = {
+        name: _grid(name, getattr(default, name), parameter, scales, issubclass(kind, Remembering))
+        for name, parameter in told.items()
+        if name not in strengths
+    }
+    shapes = []
+    off_default = {n: g for n, g in grids.items() if g != (getattr(default, n),)}
+    for template in _star(default, off_default):
+        shapes += _with_strength(template, strengths, told, scales.camera)
+    return tuple(shapes)
+
+
+def _held(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)
+
+
+def _is_strength(value: object, parameter: Parameter) -> bool:
+    if isinstance(parameter.neutral, float) and isfinite(parameter.neutral):
+        return isinstance(value, float)
+    return parameter.neutral == () and isinstance(value, tuple)
+
+
+def _fitted_to_camera(kind: type[Departure], scales: Scales) -> Departure | None:
+    """Return the effect with its defaults, told what the camera is; None where it has none such."""
+    camera = scales.camera
+    names = set(parameters_of(kind))
+    values: dict[str, object] = {}
+    if "tap_layout" in names:
+        values["tap_layout"] = camera.tap_layout
+        if camera.taps < 2:
+            return None
+    for name in ("readout", "bit_depth"):
+        if name in names:
+            values[name] = getattr(camera, name)
+    effect = with_values(kind(), values)
+    for name, parameter in parameters_of(kind).items():
+        if parameter.neutral == () and isinstance(getattr(effect, name), tuple) and camera.taps > 1:
+            effect = with_values(effect, {name: (0.01,) * camera.taps})
+    try:
+        effect.check_camera(camera)
+    except Exception:
+        return None
+    return effect
+
+
+def _with_strength(
+    template: Departure,
+    strengths: Sequence[str],
+    told: dict[str, Parameter],
+    camera: CameraHeader,
+) -> list[Shape]:
+    """Return one shape for each strength alone, and of one for all where they go together."""
+    tuples = [n for n in strengths if isinstance(getattr(template, n), tuple)]
+    if tuples:
+        name = tuples[0]
+        unit = getattr(template, name)
+        each = [tuple(u if k == j else 0.0 for k, u in enumerate(unit)) for j in range(len(unit))]
+        return [Shape(template, ((name, one, 0.0),), told[name].low < 0) for one in each[1:]] + (
+            [] if len(each) == 2 else [Shape(template, ((name, each[0], 0.0),), told[name].low < 0)]
+        )
+    if not strengths or any(p.neutral == inf for p in told.values()):
+        return [Shape(template, (), two_sided=False)]
+    neutral = {n: float(told[n].neutral) for n in strengths}  # type: ignore[arg-type]
+    size = {n: getattr(template, n) - neutral[n] for n in strengths}
+    linear = all(told[n].low < 0 for n in strengths) and len(strengths) > 1
+    if linear:
+        unit = max(abs(s) for s in size.values()) or 1.0
+        rest = with_values(template, neutral)
+        return [Shape(rest, ((n, unit, neutral[n]),), two_sided=True) for n in strengths]
+    if len({told[n].unit for n in strengths}) > 1:
+        # What differs in kind is no common strength: the first scales, a fit moves the others.
+        strengths = strengths[:1]
+    together = tuple((n, size[n], neutral[n]) for n in strengths if size[n] != 0)
+    shapes = [Shape(template, together, all(told[n].low < neutral[n] for n in strengths))]
+    if len(strengths) > 1:
+        biggest = max(size.values())
+        rest = with_values(template, neutral)
+        alone = tuple((n, biggest, neutral[n]) for n in strengths)
+        shapes += [Shape(rest, (one,), two_sided=False) for one in alone]
+        if camera.rows is not None and len(together) < len(strengths):
+            # What a line does not have, a frame may have as strongly as all else.
+            shapes.append(Shape(rest, alone, two_sided=False))
+    return shapes
+
+
+def _star(default: Departure, grids: dict[str, tuple[object, ...]]) -> list[Departure]:
+    """Return the effect with one parameter at a time off its first value; few, all of them."""
+    times = {n: g for n, g in grids.items() if n.endswith("_s")}
+    if len(times) > 1:
+        # Several times of one effect are tried together.
+        others = {n: g for n, g in grids.items() if n not in times}
+        return [
+            with_values(one, dict(zip(times, values, strict=True)))
+            for values in zip(*times.values(), strict=True)
+            for one in _star(default, others)
+        ]
+    if np.prod([len(g) for g in grids.values()]) <= MOST_TOGETHER:
+        return [
+            with_values(default, dict(zip(grids, values, strict=True)))
+            for values in itertools.product(*grids.values())
+        ]
+    first = with_values(default, {n: g[0] for n, g in grids.items()})
+    return [first] + [with_values(first, {n: v}) for n, g in grids.items() for v in g[1:]]
+
+
+def _grid(
+    name: str, value: object, told: Parameter, scales: Scales, remembers: bool
+) -> tuple[object, ...]:
+    """Return the values of a parameter that are tried, the likeliest first."""
+    if told.choices:
+        return (value,) if name in {"tap_layout", "readout"} else told.choices
+    if isinstance(value, bool):
+        return (False, True)
+    if isinstance(value, int):
+        return _whole(name, value, told, scales)
+    if isinstance(value, float):
+        return _within(_scaled(value, told, scales, remembers), told)
+    return (value,)
+
+
+def _whole(name: str, value: int, told: Parameter, scales: Scales) -> tuple[object, ...]:
+    if name.endswith("seed") or name == "bit_depth":
+        return (value,)
+    if told.unit == "bit":
+        return tuple(range(min(scales.camera.bit_depth, 8)))
+    if told.unit == "DN":
+        return (scales.lowest_dn,)
+    if told.high - told.low <= 4:
+        return tuple(range(int(told.low), int(told.high) + 1))
+    return (value,)
+
+
+def _scaled(  # noqa: PLR0911 - one for each unit
+    value: float, told: Parameter, scales: Scales, remembers: bool
+) -> tuple[float, ...]:
+    if told.unit == "s":
+        d, p = scales.duration_s, scales.line_period_s
+        # What a pixel remembers may fade within lines; what drifts does so over blocks.
+        ladder = (0.2 * d, 0.04 * d, 0.008 * d, d, 30.0 * p, 3.0 * p)
+        return ladder if remembers else (d, 0.15 * d, 10.0 * d)
+    if told.unit == "Hz":
+        return scales.tones_hz or (value,)
+    if told.unit == "e-":
+        if told.neutral == inf:
+            return tuple(scales.most_e * share for share in (0.8, 0.6, 0.4, 0.9))
+        if told.low >= 1.0 and told.high >= 1e9:
+            return tuple(scales.most_e * share for share in (1.0, 10.0, 100.0))
+        return (value,)
+    if told.unit == "column":
+        c = scales.camera.columns
+        return (0.2 * c, 0.05 * c, 0.6 * c) if value > 10 else (value, 3.0 * value)
+    if told.unit == "radiance":
+        return (scales.radiance / 2.0,)
+    if told.unit == "1" and told.low == 0.0 and told.high == value == 1.0:
+        return (1.0, 0.0)
+    return (value,)
+
+
+def _within(values: Sequence[float], told: Parameter) -> tuple[float, ...]:
+    held = (min(max(v, told.low), told.high) for v in values)
+    return tuple(dict.fromkeys(held))

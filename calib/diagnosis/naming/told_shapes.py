@@ -1,0 +1,186 @@
+"""Shapes that the recording itself tells: which pixels are hot, which codes are off, by how much.
+
+A template of such an effect drawn at random has next to nothing in common with what was recorded.
+These are fitted to the residual of the baseline, and pay for what they were fitted with.
+"""
+
+from math import log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.evidence.rare_space import whitened_counts
+from calib.diagnosis.naming.shapes import Shape
+from calib.diagnosis.statistics.rare import RARE
+from calib.diagnosis.statistics.repeats import UNLIKELY
+from calib.forward.effects.adc_dnl import AdcDnl
+from calib.forward.effects.adc_inl import AdcInl
+from calib.forward.effects.cosmic_rays import CosmicRays
+from calib.forward.effects.duplicated_lines import DuplicatedLines
+from calib.forward.effects.heavy_tailed_noise import HeavyTailedNoise
+from calib.forward.effects.hot_pixels import HotPixels
+from calib.forward.effects.stuck_bit import StuckBit
+
+Floats = NDArray[np.float64]
+
+SINES = 12
+"""Of a converter's nonlinearity."""
+TURNS = 3
+"""A smooth error of the code turns so often at least; what bends once or twice is the signal's."""
+CLEAR_SIGMA = 3.0
+"""Between two turns it moves by so much at least."""
+COMBS = (2, 4, 8, 16)
+"""Periods of code widths that are told one by one."""
+BITS = 4
+"""So many are looked at of those that may stick."""
+TRACK_NOISES = (12.0, 40.0, 150.0, 600.0)
+"""Charges of tracks in a pixel that are tried, over the read noise."""
+TAIL_NOISES = (6.0, 15.0)
+"""Standard deviations of the noisier readings, likewise."""
+
+
+def told_shapes(evidence: Evidence) -> dict[str, tuple[Shape, ...]]:
+    """Return the shapes of those effects that are not looked for blindly, by name."""
+    return {
+        HotPixels.name: _hot(evidence),
+        AdcInl.name: _inl(evidence),
+        AdcDnl.name: _dnl(evidence),
+        StuckBit.name: _stuck(evidence),
+        CosmicRays.name: _of_noise(CosmicRays, "per_pixel_s", "electrons", TRACK_NOISES, evidence),
+        DuplicatedLines.name: _duplicated(evidence),
+        HeavyTailedNoise.name: _of_noise(HeavyTailedNoise, "share", "std_e", TAIL_NOISES, evidence),
+    }
+
+
+def _of_noise(
+    kind: type[CosmicRays | HeavyTailedNoise],
+    strength: str,
+    charge: str,
+    noises: tuple[float, ...],
+    evidence: Evidence,
+) -> tuple[Shape, ...]:
+    """Return shapes of single samples that differ by a charge, e-, told in units of the noise."""
+    gain = float(
+        np.where(evidence.baseline.gain_dn_per_e > 0, evidence.baseline.gain_dn_per_e, 1.0).mean()
+    )
+    noise_e = float(np.sqrt(evidence.baseline.read_variance_dn2.mean())) / gain
+    default = kind()
+    unit = float(getattr(default, strength))
+    return tuple(
+        Shape(
+            kind(**{strength: unit, charge: noise * noise_e}),
+            ((strength, unit, 0.0),),
+            two_sided=False,
+        )
+        for noise in noises
+    )
+
+
+def _duplicated(evidence: Evidence) -> tuple[Shape, ...]:
+    """Return repeated lines: that one of them is chance is less likely than its count tells.
+
+    Of n events where m are expected by chance the deviance is 2 (n ln(n / m) - n + m); the scale on
+    which counts scatter by 1 has less of it, and the rest is a credit.
+    """
+    n = float(sum(each.rare[RARE.index("identical_lines")] for each in evidence.sums))
+    seen = float(whitened_counts(np.array(n))) ** 2
+    credit = max(2.0 * n * (log(max(n, 1.0) / UNLIKELY) - 1.0) - seen, 0.0)
+    unit = DuplicatedLines().probability
+    varied = (("probability", unit, 0.0),)
+    return (Shape(DuplicatedLines(unit), varied, two_sided=False, freedom=-credit / 2.0),)
+
+
+def _hot(evidence: Evidence) -> tuple[Shape, ...]:
+    """Return the pixels that grow with the exposure, each at its own rate."""
+    growing = evidence.growing
+    if growing is None or len(growing.pixels) == 0:
+        return ()
+    gain = evidence.baseline.gain_dn_per_e[evidence.sensor.tap].ravel()[growing.pixels]
+    rates = tuple((growing.dn_per_us / np.where(gain > 0, gain, 1.0)).tolist())
+    pixels = tuple(int(p) for p in growing.pixels)
+    freedom = len(pixels) * (1.0 + log(evidence.sensor.n_pixels))
+    template = HotPixels(pixels=pixels, rates_e_per_us=rates)
+    varied = (("rates_e_per_us", rates, 0.0),)
+    return (Shape(template, varied, two_sided=False, freedom=freedom),)
+
+
+def _inl(evidence: Evidence) -> tuple[Shape, ...]:
+    """Return the sum of sines of the code that the residual means follow, where it turns often."""
+    top = evidence.sensor.camera.full_scale_dn
+    x = np.pi * np.clip(evidence.baseline.mean_dn.reshape(evidence.n_blocks, -1) / top, 0.0, 1.0)
+    residual = evidence.space.project(evidence.observed().means)
+    sines = [evidence.space.project(np.sin(k * x)) for k in range(1, SINES + 1)]
+    gram = np.array([[evidence.space.product(a, b) for b in sines] for a in sines])
+    along = np.array([evidence.space.product(a, residual) for a in sines])
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-12))
+    covariance = np.linalg.pinv(gram * np.outer(scale, scale), rcond=1e-4) * np.outer(scale, scale)
+    heights = covariance @ along
+    used = evidence.space.weight > 0
+    if not used.any() or _turns(heights, covariance, x[used]) < TURNS:
+        return ()
+    bow, s, w, *higher = (float(h) for h in heights)
+    template = AdcInl(bow, s, w, tuple(higher), bit_depth=evidence.sensor.camera.bit_depth)
+    varied = (
+        ("bow_dn", bow, 0.0), ("s_dn", s, 0.0), ("w_dn", w, 0.0), ("higher_dn", tuple(higher), 0.0),
+    )  # fmt: skip
+    return (Shape(template, varied, two_sided=True, freedom=float(SINES)),)
+
+
+def _turns(heights: Floats, covariance: Floats, x: Floats) -> int:
+    """Return how often the sum of sines turns over the codes x, pi DN / full scale, for sure."""
+    k = np.arange(1, SINES + 1)
+    grid = np.unique(np.quantile(x, np.linspace(0.0, 1.0, 48)))
+    basis = np.sin(np.outer(grid, k))
+    line = np.stack([np.ones_like(grid), grid], axis=1)
+    # What is straight in the code is offset and slope.
+    off_line = np.eye(len(grid)) - line @ np.linalg.pinv(line)
+    curve, spread = off_line @ basis @ heights, off_line @ basis @ covariance @ basis.T @ off_line.T
+    turns, extreme, way = 0, 0, 0
+    for j in range(1, len(grid)):
+        move = curve[j] - curve[extreme]
+        std = np.sqrt(
+            max(spread[j, j] + spread[extreme, extreme] - 2.0 * spread[j, extreme], 1e-18)
+        )
+        if way * move > 0:
+            extreme = j
+        elif abs(move) > CLEAR_SIGMA * std:
+            turns, extreme, way = turns + (way != 0), j, int(np.sign(move))
+    return turns
+
+
+def _dnl(evidence: Evidence) -> tuple[Shape, ...]:
+    """Return widths drawn at random, and those of each short period that the histogram tells."""
+    depth = evidence.sensor.camera.bit_depth
+    shapes = [Shape(AdcDnl(bit_depth=depth), (("width_std_dn", 0.2, 0.0),), two_sided=False)]
+    counts = evidence.code_counts
+    for period in COMBS:
+        ratio = counts.comb(period)
+        widths = np.clip(np.resize(ratio, 1 << depth), 0.0, None)
+        if not np.isfinite(widths).all() or np.ptp(widths) == 0:
+            continue
+        template = AdcDnl(width_std_dn=0.0, widths_dn=tuple(widths.tolist()), bit_depth=depth)
+        shapes.append(Shape(template, (), two_sided=False, freedom=float(period - 1)))
+    return tuple(shapes)
+
+
+def _stuck(evidence: Evidence) -> tuple[Shape, ...]:
+    """Return the bits that look most as if they stuck, at 0 and at 1."""
+    suspect = suspect_bits(evidence)[:BITS]
+    return tuple(
+        Shape(StuckBit(bit=int(bit), value=value), (("probability", 0.5, 0.0),), two_sided=False)
+        for bit in suspect
+        for value in (0, 1)
+    )
+
+
+def suspect_bits(evidence: Evidence) -> NDArray[np.intp]:
+    """Return the bits of the codes, those first that look most as if they stuck at times."""
+    depth = evidence.sensor.camera.bit_depth
+    counts, rare = evidence.code_counts, evidence.rare_space
+    score = np.zeros(depth)
+    for bit in range(4):
+        ratio = counts.comb(2 << bit)
+        score[bit] = abs(ratio[: 1 << bit].mean() - 1.0) * np.sqrt(counts.samples)
+    score[4:] = np.abs(counts.high_bits(counts.residual()[0]))
+    return np.argsort(-np.maximum(score, rare.flips(rare.seen)[:depth]), kind="stable")

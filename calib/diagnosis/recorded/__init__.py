@@ -1,0 +1,1 @@
+"""What a recording says of itself: sensor, conditions, light that is known."""

@@ -1,0 +1,1 @@
+"""What effects change, simulated about the fitted baseline with few exact lines."""

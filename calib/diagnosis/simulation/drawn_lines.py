@@ -1,0 +1,133 @@
+"""Statistics of a few drawn lines of all blocks."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.simulation.chain_run import FittedChain
+from calib.diagnosis.statistics.counts import Counts
+from calib.diagnosis.statistics.gather import CUT_SIGMA
+from calib.diagnosis.statistics.pooled import pooled
+from calib.diagnosis.statistics.rare import RARE, rare_counts, rare_trials
+from calib.diagnosis.statistics.repeats import repeated_lines
+from calib.diagnosis.statistics.settled_mean import settled_mean
+from calib.kernels.residual_products import ResidualProducts, stacked_products
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A few lines of all blocks.
+
+    Attributes:
+        products: Of blocks that have as many lines as each other, one entry for each number.
+        blocks: Which blocks these are, likewise.
+        n_lines: How many lines they have, likewise.
+        rare: Rates of what is counted, (n_blocks, n_rare).
+        ratio: Each pixel's variance over what is expected, (n_blocks, n_pixels).
+        codes: Shares of samples by code, (n_blocks, n_codes).
+        means: Of each pixel, DN, (n_blocks, n_pixels).
+    """
+
+    products: tuple[ResidualProducts, ...]
+    blocks: tuple[NDArray[np.intp], ...]
+    n_lines: tuple[int, ...]
+    rare: Floats
+    ratio: Floats
+    codes: Floats
+    means: Floats
+
+    def pooled(self, variance: Floats, sensor: Sensor, counts: Counts) -> Floats:
+        """Return the pooled statistics, (n_blocks, n_pooled).
+
+        Args:
+            variance: What is expected of each pixel, DN^2, (n_blocks, n_rows, n_columns).
+            sensor: The sensor, whose noisy pixels are left out.
+            counts: Its counts.
+        """
+        if sensor.noisy not in self._pooled:
+            self._pooled[sensor.noisy] = self._in_groups(variance, sensor, counts)
+        return self._pooled[sensor.noisy]
+
+    @cached_property
+    def _pooled(self) -> dict[tuple[int, ...], Floats]:
+        return {}
+
+    def _in_groups(self, variance: Floats, sensor: Sensor, counts: Counts) -> Floats:
+        vectors = [
+            pooled(each, n, variance[blocks], sensor, counts, first=0).vector()
+            for each, blocks, n in zip(self.products, self.blocks, self.n_lines, strict=True)
+        ]
+        found = np.empty((len(variance), vectors[0].shape[-1]))
+        for blocks, each in zip(self.blocks, vectors, strict=True):
+            found[blocks] = each
+        return found
+
+
+def drawn_of(lines: Floats, chain: FittedChain, *, coded: bool) -> Drawn:
+    """Return the statistics of `lines`, (n_blocks, n_lines, n_rows, n_columns).
+
+    Of codes, lines that repeat the one before are counted and left out of all else.
+    """
+    sensor, variance = chain.sensor, chain.baseline.variance_dn2
+    n_blocks, n = lines.shape[:2]
+    again = np.zeros((n_blocks, n), bool)
+    if coded:
+        lines = np.clip(np.floor(lines + 0.5), 0, sensor.camera.full_scale_dn)
+        again = np.stack([repeated_lines(each) for each in lines])
+    kept = n - again.sum(axis=1)
+    rare, ratio = np.zeros((n_blocks, len(RARE))), np.zeros((n_blocks, sensor.n_pixels))
+    counts, products, blocks, means = [], [], [], np.zeros_like(ratio)
+    for m in np.unique(kept):
+        which = np.flatnonzero(kept == m)
+        some = lines if m == n and len(which) == n_blocks else _without(lines, again, which)
+        mean, sigma = some.mean(axis=1), np.sqrt(variance[which])
+        means[which] = mean.reshape(len(which), -1)
+        cut, parts = CUT_SIGMA * sigma + 1.0, (sensor.tap, sensor.n_taps, sensor.partner)
+        found = stacked_products(some, mean, cut, *parts)
+        if found.outliers.any():
+            each = zip(some, mean, cut, found.outliers, strict=True)
+            mean = np.stack([settled_mean(*block) for block in each])
+            found = stacked_products(some, mean, cut, *parts)
+        rare[which] = _rare(some, mean, sigma, found, n - int(m))
+        expected = variance[which] * max(m - 1, 1)
+        ratio[which] = (found.squares / expected).reshape(len(which), -1)
+        counts.append(int(m))
+        products.append(found)
+        blocks.append(which)
+    return Drawn(
+        tuple(products), tuple(blocks), tuple(counts),
+        rare / rare_trials(n, sensor.n_pixels), ratio,
+        _shares(lines, again, sensor, coded=coded), means,
+    )  # fmt: skip
+
+
+def _without(lines: Floats, again: NDArray[np.bool_], which: NDArray[np.intp]) -> Floats:
+    return np.stack([lines[b][~again[b]] for b in which])
+
+
+def _rare(
+    lines: Floats, mean: Floats, sigma: Floats, products: ResidualProducts, repeated: int
+) -> Floats:
+    """Return what is counted in each block, (n, n_rare)."""
+    found = np.zeros((len(lines), len(RARE)))
+    found[:, RARE.index("identical_lines")] = repeated
+    mean = mean + products.total / max(lines.shape[1], 1)
+    for b in np.flatnonzero(products.outliers.any(axis=(1, 2))):
+        found[b] = rare_counts(lines[b], mean[b], sigma[b], products.outliers[b], repeated)
+    return found
+
+
+def _shares(lines: Floats, again: NDArray[np.bool_], sensor: Sensor, *, coded: bool) -> Floats:
+    n_codes = sensor.camera.full_scale_dn + 1
+    if not coded:
+        return np.zeros((len(lines), n_codes))
+    found = []
+    for each, skip in zip(lines, again, strict=True):
+        codes = each[~skip].ravel().astype(np.int64)
+        found.append(np.bincount(codes, minlength=n_codes) / max(len(codes), 1))
+    return np.stack(found)

@@ -1,0 +1,131 @@
+"""What noise-free lines say of means, of first lines, of tones, and of scatter within a block."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.simulation.chain_run import FittedChain
+from calib.diagnosis.simulation.sampled_lines import SampledLines, is_tone
+from calib.diagnosis.statistics.counts import Counts
+from calib.diagnosis.statistics.gather import CUT_SIGMA
+from calib.diagnosis.statistics.pooled import ONSET_LINES, places, pooled
+from calib.diagnosis.statistics.rare import FAR_SIGMA, OFTEN, RARE, rare_trials
+from calib.diagnosis.statistics.tones import Peak
+from calib.forward.effect import Effect
+from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS, ResidualProducts, tap_sizes
+
+Floats = NDArray[np.float64]
+
+TONE_LINES = 48
+"""So many lines, or all of a block, tell a tone."""
+STEADY = 1e-3
+"""Lines that differ by less than this part of the noise are alike."""
+
+
+def mean_change(sampled: Sequence[SampledLines]) -> tuple[Floats, Floats]:
+    """Return the change of means, (n_blocks, n_pixels), and of first lines', (n_blocks, 3)."""
+    onset = np.zeros((len(sampled), ONSET_LINES))
+    for b, each in enumerate(sampled):
+        onset[b, : len(each.first)] = each.first @ each.change.mean(axis=1)
+    return np.stack([each.weights @ each.change for each in sampled]), onset
+
+
+def tone_change(chain: FittedChain, effects: Sequence[Effect], peaks: Sequence[Peak]) -> Floats:
+    """Return squared amplitudes at the peaks that effects of the spectrum give, DN^2."""
+    tonal = [effect for effect in effects if is_tone(effect)]
+    found = np.zeros((len(chain.table.blocks), len(peaks)))
+    if not tonal or not peaks:
+        return found
+    n = [min(int(lines), TONE_LINES) for lines in chain.table.n_lines]
+    stack = chain.stack([(b, np.arange(float(k))) for b, k in enumerate(n)], "tone")
+    lines = chain.noise_free(stack, tonal, 0)
+    for b, where in enumerate(stack.parts):
+        change = lines[where] - chain.baseline.mean_dn[b].ravel()
+        found[b] = [peak.squared_amplitude(change) for peak in peaks]
+    return found
+
+
+def scatter_change(
+    sampled: Sequence[SampledLines], variance: Floats, sensor: Sensor, counts: Counts
+) -> tuple[Floats, Floats]:
+    """Return what lines that differ add to pooled statistics and to rates of what is counted.
+
+    Noise and what changes from line to line without chance add up in second moments; in fourth
+    ones, 6 v r^2 + r^4 is added for a residual r beside noise of variance v.
+
+    Args:
+        sampled: Lines of each block.
+        variance: Noise of each pixel, DN^2, (n_blocks, n_rows, n_columns).
+        sensor: The sensor.
+        counts: Its counts.
+
+    Returns:
+        (n_blocks, n_pooled) and (n_blocks, n_rare).
+    """
+    where = places(sensor)
+    moved = np.zeros((len(sampled), max(s.stop for s in where.values())))
+    rare = np.zeros((len(sampled), len(RARE)))
+    for b, each in enumerate(sampled):
+        sigma = np.sqrt(variance[b])
+        if np.ptp(each.change, axis=0).max() < STEADY * sigma.min():
+            continue
+        n = len(each.between)
+        products, rare[b] = _products(each, sigma, sensor)
+        moved[b] = pooled(products, n, variance[b], sensor, counts).vector()
+        moved[b, where["kurtosis"]] -= 1.0  # of no noise at all
+        rare[b] /= rare_trials(n, sensor.n_pixels)
+    return moved, rare
+
+
+def _products(each: SampledLines, sigma: Floats, sensor: Sensor) -> tuple[ResidualProducts, Floats]:
+    """Return sums of products over all lines of a block, and what is counted, (n_rare,)."""
+    n, shape = len(each.between), (sensor.n_rows, sensor.n_columns)
+    r = (each.change - each.weights @ each.change).reshape(-1, *shape)
+    means = np.zeros((len(r), sensor.n_rows, sensor.n_taps))
+    for tap in range(sensor.n_taps):
+        of_tap = sensor.tap == tap
+        size = np.maximum(tap_sizes(sensor.tap, sensor.n_taps)[:, tap], 1.0)
+        means[..., tap] = np.where(of_tap, r, 0.0).sum(axis=-1) / size
+    r = r - np.take_along_axis(means, np.broadcast_to(sensor.tap, r.shape), axis=2)
+    out = np.abs(r) > CUT_SIGMA * sigma + 1.0
+    rare = _counted(np.where(out, r, 0.0) / sigma, each.weights * n)
+    r = np.where(out, 0.0, r)
+    gram = [each.between[: n - k].T @ each.between[k:] for k in range(LINE_LAGS + 1)]
+    along = np.tensordot(gram[0], r, 1)
+    columns, lines = np.zeros((COLUMN_LAGS, *shape)), np.zeros((LINE_LAGS, *shape))
+    for k in range(1, min(COLUMN_LAGS, sensor.n_columns - 1) + 1):
+        columns[k - 1, :, :-k] = (along[..., :-k] * r[..., k:]).sum(axis=0)
+    for k in range(1, LINE_LAGS + 1):
+        lines[k - 1] = (r * np.tensordot(gram[k], r, 1)).sum(axis=0)
+    rows, partners = np.zeros(shape), np.zeros((len(sensor.partner), *shape))
+    rows[:-1] = (along[:, :-1] * r[:, 1:]).sum(axis=0)
+    for p, partner in enumerate(sensor.partner):
+        partners[p] = np.where(partner >= 0, (along * r[..., partner]).sum(axis=0), 0.0)
+    squares = (along * r).sum(axis=0)
+    fourths = 6.0 * sigma**2 * squares + np.tensordot(each.weights * n, r**4, 1)
+    found = ResidualProducts(
+        np.zeros(shape), squares, fourths, columns, rows, lines, partners,
+        np.tensordot(each.between, means, 1), np.zeros(shape, np.int64),
+    )  # fmt: skip
+    return found, rare
+
+
+def _counted(far: Floats, lines: Floats) -> Floats:
+    """Return how often each of `RARE` happens, (n_rare,); what differs in single lines is no track.
+
+    Args:
+        far: Samples beyond the cut, standard deviations, else 0, (k, n_rows, n_columns).
+        lines: For how many lines each stands, (k,).
+    """
+    found = np.zeros(len(RARE))
+    if not far.any():
+        return found
+    often = np.tensordot(lines, far != 0.0, 1) >= OFTEN
+    single = np.where(often, 0.0, far)
+    above, below = (np.tensordot(lines, each, 1).sum() for each in
+                    (single > FAR_SIGMA, single < -FAR_SIGMA))  # fmt: skip
+    for name, count in (("above", above), ("below", below), ("noisy_pixels", often.sum())):
+        found[RARE.index(name)] = count
+    return found

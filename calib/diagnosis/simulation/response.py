@@ -1,0 +1,185 @@
+"""What effects change in all statistics of a recording, against the baseline."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.baseline.baseline import Baseline
+from calib.diagnosis.baseline.code_counts import fine_blocks
+from calib.diagnosis.recorded.conditions_table import ConditionsTable
+from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.simulation.chain_run import FittedChain
+from calib.diagnosis.simulation.drawn_lines import Drawn, drawn_of
+from calib.diagnosis.simulation.mean_change import mean_change, scatter_change, tone_change
+from calib.diagnosis.simulation.sampled_lines import sampled_lines
+from calib.diagnosis.simulation.short_blocks import as_of_long_blocks
+from calib.diagnosis.simulation.stack import Stack
+from calib.diagnosis.statistics.change import Change
+from calib.diagnosis.statistics.counts import Counts
+from calib.diagnosis.statistics.noisy import NOISY_SIGMA, few
+from calib.diagnosis.statistics.rare import rare_trials
+from calib.diagnosis.statistics.tones import Peak
+from calib.forward.departure import Departure
+from calib.forward.effect import Effect, Stage
+from calib.forward.left import Left
+
+Floats = NDArray[np.float64]
+
+SAMPLES = 120_000
+"""So many are drawn of the whole recording."""
+FEWEST_LINES, MOST_LINES = 8, 16
+FEW_EVENTS = 10.0
+"""So many in a block tell their rate as well as other blocks' do."""
+
+
+@dataclass(frozen=True)
+class Responder:
+    """Simulates changes on few lines, from the same noise with and without effects.
+
+    Attributes:
+        chain: The baseline.
+        counts: Of its sensor.
+        peaks: Of the spectrum.
+        plain: What is compared with, where it is not the same chain without effects.
+    """
+
+    chain: FittedChain
+    counts: Counts
+    peaks: tuple[Peak, ...] = ()
+    plain: "Responder | None" = None
+
+    def about(self, baseline: Baseline) -> "Responder":
+        """Return what adds effects to the links of `baseline`, and compares as this one does."""
+        if baseline is self.chain.baseline:
+            return self
+        return replace(self, chain=replace(self.chain, baseline=baseline), plain=self.plain or self)
+
+    @cached_property
+    def n_lines(self) -> int:
+        """Lines that are drawn of each block."""
+        per_line = self.chain.sensor.n_pixels * len(self.chain.table.blocks)
+        wanted = int(np.clip(SAMPLES // per_line, FEWEST_LINES, MOST_LINES))
+        return max(2, min(wanted, int(self.chain.table.n_lines.min())))
+
+    def change(self, effects: Sequence[Effect], draw: int = 0) -> Change:
+        """Return what `effects` change."""
+        lefts = self.chain.left_before(effects)
+        coded = any(e.stage >= Stage.CODES for e in effects)
+        others = [e for e in effects if e.stage < Stage.CODES]
+        sampled = sampled_lines(self.chain, others, lefts, draw)
+        means, onset = mean_change(sampled)
+        # An effect's own noise has chance products with that of the baseline, of either sign.
+        signs = (1.0, -1.0) if any(map(self.chain.has_noise, effects)) else (1.0,)
+        drawn = [self._drawn(effects, lefts, draw, coded=coded, sign=sign) for sign in signs]
+        plain = (self.plain or self).plain_drawn(draw, coded=coded)
+        if coded:
+            means = means + self._of_codes(drawn[0], others, lefts, draw)
+        table = self.chain.table
+        weight = table.n_lines - 1
+        ratio = np.average(_mean([d.ratio for d in drawn]) - plain.ratio, 0, weight)
+        z = ratio * np.sqrt(weight.sum() / 2.0)
+        counts, sensor = self._cleaned(few(np.flatnonzero(z > NOISY_SIGMA), len(z)))
+        variance = self.chain.baseline.variance_dn2
+        moved = _mean([each.pooled(variance, sensor, counts) for each in drawn])
+        moved = moved - plain.pooled(variance, sensor, counts)
+        moved = as_of_long_blocks(moved, self.n_lines, table.n_lines, sensor)
+        rare = _mean([d.rare for d in drawn]) - plain.rare
+        if not any(map(self.chain.has_events, effects)):
+            scatter, counted = scatter_change(sampled, variance, sensor, counts)
+            moved, rare = moved + scatter, rare + counted
+        trials = rare_trials(self.n_lines, self.chain.sensor.n_pixels)
+        fine = fine_blocks(self.chain.baseline)
+        return Change(
+            means,
+            onset,
+            moved,
+            _by_conditions(rare, trials, table),
+            ratio,
+            _codes(_mean([d.codes for d in drawn]) - plain.codes, (weight + 1) * fine, coded=coded),
+            tone_change(self.chain, effects, self.peaks),
+            np.zeros(len(ratio)),
+            np.zeros(len(ratio)),
+        )
+
+    def _of_codes(
+        self, drawn: Drawn, others: Sequence[Effect], lefts: Sequence[Left | None], draw: int
+    ) -> Floats:
+        """Return what codes change in the means, (n_blocks, n_pixels), rounding itself left out."""
+        before = self.plain_drawn(draw, coded=False)
+        if others:
+            before = self._drawn(others, lefts, draw, coded=False)
+        rounding = (
+            self.plain_drawn(draw, coded=True).means - self.plain_drawn(draw, coded=False).means
+        )
+        return np.asarray(drawn.means - before.means - rounding)
+
+    def _cleaned(self, noisy: NDArray[np.intp]) -> tuple[Counts, Sensor]:
+        if len(noisy) == 0:
+            return self.counts, self.chain.sensor
+        sensor = Sensor(self.chain.sensor.camera, tuple(int(p) for p in noisy))
+        return Counts.of(sensor), sensor
+
+    def _drawn(
+        self,
+        effects: Sequence[Effect],
+        lefts: Sequence[Left | None],
+        draw: int,
+        *,
+        coded: bool,
+        sign: float = 1.0,
+    ) -> Drawn:
+        """Return lines from the middle of each block, where a step before it has died away."""
+        chain, n = self.chain, self.n_lines
+        first = [(int(lines) - n) // 2 for lines in chain.table.n_lines]
+        stack = self._middle
+        if any(left is not None for left in lefts):
+            found = enumerate(zip(first, lefts, strict=True))
+            stack = stack.before([chain.left_after(b, k, effects, x) for b, (k, x) in found])
+        lines = chain.drawn(stack, effects, draw, coded=coded, sign=sign)
+        return drawn_of(lines.reshape(-1, n, *lines.shape[1:]), chain, coded=coded)
+
+    @cached_property
+    def _middle(self) -> Stack:
+        n, table = self.n_lines, self.chain.table
+        first = [(int(lines) - n) // 2 for lines in table.n_lines]
+        return Stack.of(table, [(b, k + np.arange(float(n))) for b, k in enumerate(first)], "drawn")
+
+    def plain_drawn(self, draw: int, *, coded: bool) -> Drawn:
+        """Return lines without effects, drawn once."""
+        if (draw, coded) not in self._plain:
+            nothing = (None,) * len(self.chain.table.blocks)
+            self._plain[draw, coded] = self._drawn((), nothing, draw, coded=coded)
+        return self._plain[draw, coded]
+
+    @cached_property
+    def of_events(self) -> dict[Departure, Change]:
+        """What effects made of events change where these are dense, as far as it is known."""
+        return {}
+
+    @cached_property
+    def _plain(self) -> dict[tuple[int, bool], Drawn]:
+        return {}
+
+
+def _mean(values: Sequence[Floats]) -> Floats:
+    return values[0] if len(values) == 1 else np.mean(values, axis=0)
+
+
+def _codes(change: Floats, weight: Floats, *, coded: bool) -> Floats:
+    """Return the change of code shares, (1, n_codes), or nothing in two draws."""
+    if coded and weight.any():
+        return np.asarray(np.average(change, 0, weight))[None]
+    return np.zeros((2, change.shape[1]))
+
+
+def _by_conditions(rates: Floats, trials: Floats, table: ConditionsTable) -> Floats:
+    """Return rates, (n_blocks, n), the smoother the fewer events they are told by."""
+    light = table.dose / max(float(table.dose.max()), 1e-300)
+    exposure = table.exposure_us / float(table.exposure_us.max())
+    design = np.stack([np.ones_like(light), exposure, light, table.dark.astype(float)], axis=1)
+    smooth = np.asarray(design @ np.linalg.lstsq(design, rates, rcond=None)[0])
+    events = np.abs(rates) * trials
+    return np.asarray((events * rates + FEW_EVENTS * smooth) / (events + FEW_EVENTS))

@@ -1,0 +1,103 @@
+"""What pooled statistics of the plain model are, and how they scatter."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.recorded.sensor import STRETCHES, Sensor
+from calib.diagnosis.statistics.counts import Counts, grouped
+from calib.diagnosis.statistics.few_samples import lagged_variance
+from calib.diagnosis.statistics.pooled import Pooled, settled
+from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS
+
+Floats = NDArray[np.float64]
+
+FEWEST_LINES = 8
+"""Fourth moments of residuals about fewer lines' own mean are not those of the samples."""
+ROUNDED_DN2 = 0.6
+"""Below this variance rounding makes fourth moments of its own."""
+
+
+def expected(
+    variance: Floats, kurtosis: Floats, n: int, sensor: Sensor, counts: Counts
+) -> tuple[Pooled, Pooled]:
+    """Return what the baseline expects of a block's statistics, and their standard deviations.
+
+    Args:
+        variance: Of each pixel, DN^2, (n_rows, n_columns).
+        kurtosis: Fourth cumulant of each pixel, DN^4.
+        n: Lines.
+        sensor: The sensor.
+        counts: Its counts.
+    """
+    some = np.maximum(counts.pixels, 1.0)
+    size = counts.smallest_tap
+    v = grouped(variance, sensor) / some
+    v2 = grouped(variance**2, sensor) / some
+    k4 = grouped(kurtosis, sensor) / some
+    taps = np.array([variance[sensor.tap == t].mean() for t in range(sensor.n_taps)])
+    rows_of_tap = counts.present.sum(axis=0)
+    of_tap = taps / (counts.tap_size.sum(axis=0) / rows_of_tap)
+    spread = float(np.sqrt((of_tap**2).mean()))
+    kept = settled(n)
+    # Rows of a frame are about their own means over the frames, lines about none of their own.
+    lines = kept if sensor.n_rows == 1 else (kept - 1) * sensor.n_rows
+    tap_of_group = np.arange(sensor.n_groups) // STRETCHES
+    # Taking off a line's mean mixes a pixel's variance with those of its tap.
+    own = (v * (1.0 - 2.0 / size) + taps[tap_of_group] / size) / (1.0 - 1.0 / size)
+    phase = _rounding_error(v) / np.sqrt(2.0 * some)
+    mean = {
+        "variance": own,
+        "kurtosis": k4 / (3.0 * np.maximum(v2, 1e-300)),
+        "rows": np.zeros_like(v),
+        "partners": np.zeros(len(sensor.partner)),
+        "common": of_tap,
+        "common_taps": np.zeros(1),
+        "common_1": np.zeros(1)
+        if sensor.n_rows > 1
+        else np.full(1, -of_tap.mean() / sensor.n_taps / kept),
+        "common_2": np.zeros(1)
+        if sensor.n_rows > 1
+        else np.full(1, -of_tap.mean() / sensor.n_taps / kept),
+    }
+    shared = np.array([1.0 / rows for rows in counts.shared_rows.values()] or [np.inf])
+    std = {
+        "variance": np.sqrt((2.0 * v2 / (n - 1) + k4 / n) / some + phase**2),
+        "kurtosis": np.where(
+            (v < ROUNDED_DN2) | (n < FEWEST_LINES), np.inf, np.sqrt(24.0 / (n * some)) / 3.0
+        ),
+        "rows": _std(v2, n, counts.rows),
+        "partners": np.sqrt(
+            float((variance**2).mean()) / (n - 1) / np.maximum(counts.partners, 1.0)
+        ),
+        "common": np.sqrt(2.0 / ((kept - 1) * rows_of_tap)) * of_tap,
+        "common_taps": np.full(1, spread * np.sqrt(shared.sum() / (kept - 1)) / len(shared)),
+        "common_1": np.full(1, of_tap.mean() / counts.taps_of_row / np.sqrt(lines)),
+        "common_2": np.full(1, of_tap.mean() / counts.taps_of_row / np.sqrt(lines)),
+    }
+    if sensor.n_rows == 1:
+        std["rows"] = np.full_like(v, np.inf)
+    for k in range(COLUMN_LAGS):
+        mean[f"columns_{k + 1}"] = (taps[tap_of_group] - 2.0 * v) * counts.same_tap[k] / size
+        std[f"columns_{k + 1}"] = _std(v2, n, counts.columns[k])
+    for k in range(LINE_LAGS):
+        mean[f"lines_{k + 1}"] = -v / n * (1.0 - 1.0 / size)
+        std[f"lines_{k + 1}"] = (
+            np.sqrt(v2 * lagged_variance(n, k + 1) / some) if n > k + 2 else np.full_like(v, np.inf)
+        )
+    empty = counts.pixels == 0
+    for kind in ("variance", "kurtosis"):
+        std[kind] = np.where(empty, np.inf, std[kind])
+    return Pooled(mean), Pooled(std)
+
+
+def _rounding_error(variance: Floats) -> Floats:
+    """Return the amplitude with which rounding's variance swings about 1/12 with the mean's phase.
+
+    Source: Widrow and Kollar, Quantization Noise (2008), the first term of the series.
+    """
+    before = np.maximum(variance - 1.0 / 12.0, 0.0)
+    return np.asarray((4.0 * before + 1.0 / np.pi**2) * np.exp(-2.0 * np.pi**2 * before))
+
+
+def _std(v2: Floats, n: int, pairs: Floats) -> Floats:
+    return np.where(pairs > 0, np.sqrt(v2 / (n - 1) / np.maximum(pairs, 1.0)), np.inf)
