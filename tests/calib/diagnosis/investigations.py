@@ -61,7 +61,7 @@ class Case:
 
 CASES = {
     "lamp or gain drift": Case(
-        _FACTORIAL, (LampDrift(0.016, 60.0), GainDrift(0.016, 60.0)), monitored=False
+        _FACTORIAL, (LampDrift(0.16, 600.0), GainDrift(0.16, 600.0)), monitored=False
     ),
     "stray light or exposure offset": Case(
         _AGCAM, (StrayLight(0.004), ExposureOffset(-0.8))
