@@ -79,7 +79,7 @@ def test_a_signature_is_what_long_recordings_show(effect: Departure) -> None:
     missed = (seen.means - signature.means).reshape(white.shape)
     z = missed.mean(axis=(1, 2)) / np.sqrt((white / COLUMNS + shared / LINES).mean(axis=(1, 2)))
     assert np.abs(z).max() < 5.0
-    # Taps' gains are fitted, to 0.3 %: what that makes of columns' light, slopes take for their own.
+    # Taps' gains are fitted, to 0.3 %: slopes take what that makes of columns' light.
     own = (missed - missed.mean(axis=2, keepdims=True)).reshape(len(white), -1)
     z = first.space.project(own) / np.sqrt(2.0)
     assert (z**2).sum() < chi2.isf(1e-6, first.space.degrees_of_freedom)

@@ -35,7 +35,7 @@ def write_folder(
             radiance = block.plan.radiance * np.array(block.plan.image)
             np.save(folder / "scenes" / "bars.npy", radiance[np.newaxis])
         codes = block.codes if sensor.area else block.codes[:, 0, :]
-        np.save(folder / "frames" / f"{block.plan.name}.npy", codes)
+        np.save(folder / "frames" / f"{block.plan.name}.npy", np.ascontiguousarray(codes))
         light_a = per_radiance_a * block.source_radiance * (1.0 + 2e-5 * rng.standard_normal())
         row = _row(block.plan, rng)
         row += [f"{dark_a + light_a:.7g}"] if plan.monitor else []
