@@ -16,6 +16,7 @@ from numpy.random import default_rng
 from tests.concealed.generator.case import Case
 from tests.concealed.generator.catalogue import LISTED
 from tests.concealed.generator.mechanism import Mechanism, Stage, strength_at
+from tests.concealed.generator.mechanisms.drifting import Drifting
 from tests.concealed.generator.setting import Setting
 from tests.concealed.ideal.correlations import correlation_signature
 from tests.concealed.ideal.expected import Expected, expected
@@ -42,8 +43,11 @@ def nearest_name(case: Case, sight: Sequence[float]) -> list[tuple[float, str]]:
     found = []
     for one, seen in zip(case.mechanisms, sight, strict=True):
         mine = signature(one, plain, setting)
+        alike = [(x.name, signature(x, plain, setting)) for x in _of_the_same_course(one, setting)]
         distances = [
-            (seen * _sine(mine, other), name) for name, other in others if name != one.name
+            (seen * _sine(mine, other), name)
+            for name, other in (*others, *alike)
+            if name != one.name
         ]
         found.append(min(distances) if mine.any() and distances else (inf, ""))
     return found
@@ -80,6 +84,18 @@ def _candidates(setting: Setting) -> Iterator[Mechanism]:
         for shape in kind.shapes:
             for draw in range(_DRAWS):
                 yield kind.draw(strength, shape, setting, default_rng([draw, len(name)]))
+
+
+def _of_the_same_course(one: Mechanism, setting: Setting) -> Iterator[Mechanism]:
+    """Yield every other drift in the course that `one`, if it is one, takes: no draw finds it."""
+    if not isinstance(one, Drifting):
+        return
+    for name, kind in LISTED.items():
+        if name != one.name and issubclass(kind, Drifting) and kind.can_show(setting):
+            strength = strength_at(kind.reach(setting), _RUNG)
+            drawn = kind.draw(strength, one.shape, setting, default_rng(len(name)))
+            assert isinstance(drawn, Drifting)
+            yield replace(drawn, sign=one.sign, constant=one.constant)
 
 
 def _brief(setting: Setting) -> Setting:
