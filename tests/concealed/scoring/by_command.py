@@ -1,18 +1,23 @@
-"""The diagnosis as everybody has it: the command line."""
+"""The diagnosis as everybody has it: the command, in a process that need not start anew."""
 
 import json
-import subprocess
-import sys
+import tempfile
 from pathlib import Path
 from typing import Any
 
+import typer.testing
+
+from service.cli.app import app
+
 
 def diagnose(recording: Path) -> dict[str, Any]:
-    """Return what `darkflat diagnose --json -` says of `recording`."""
-    start = [sys.executable, "-c", "from service.cli import main; main()"]
-    command = [*start, "diagnose", str(recording), "--json", "-"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(done.stderr.strip().splitlines()[-1] if done.stderr else "it failed")
-    answer: dict[str, Any] = json.loads(done.stdout)
+    """Return what `darkflat diagnose --json` says of `recording`."""
+    with tempfile.TemporaryDirectory() as place:
+        path = Path(place) / "answer.json"
+        done = typer.testing.CliRunner().invoke(
+            app, ["diagnose", str(recording), "--json", str(path)]
+        )
+        if done.exit_code != 0:
+            raise RuntimeError(f"{done.exception} {done.output}".strip())
+        answer: dict[str, Any] = json.loads(path.read_text("utf-8"))
     return answer
