@@ -66,7 +66,7 @@ def nets_of(k: int, model: Model, contest: Contest) -> dict[str, float]:
 def told(nets: dict[str, float], tempered: float) -> tuple[Candidate, ...]:
     """Return the likeliest names and their probabilities."""
     top = max(nets.values())
-    weights = {n: exp(0.5 * tempered * max(v - top, -1e3)) for n, v in nets.items()}
+    weights = {n: exp(0.5 * tempered * (v - top)) for n, v in nets.items()}
     total = sum(weights.values())
     found = sorted(
         (Candidate(n, w / total, nets[n]) for n, w in weights.items()),

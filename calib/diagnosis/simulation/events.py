@@ -2,10 +2,11 @@
 
 So few happen in the few lines that are drawn that their statistics would be those of chance. They
 are drawn denser than they are, and what they change is scaled back: that is exact for counts of
-events and shares of codes, and for moments as long as events are rare.
+events and shares of codes, and for moments as long as events are rare. Events that are denser still
+are drawn as they are.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -49,6 +50,7 @@ def density_of(effect: Departure, responder: Responder) -> Density | None:
 def change_of_events(effect: Departure, density: Density, responder: Responder) -> Change:
     """Return what the effect changes, from where its events are dense."""
     now = float(getattr(effect, density.parameter))
+    density = replace(density, dense=max(density.dense, now))
     dense = with_values(effect, {density.parameter: density.dense})
     return _unit(dense, density, responder) * (now / density.dense)
 

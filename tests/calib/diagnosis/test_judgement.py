@@ -1,7 +1,7 @@
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.naming.judgement import told
+from calib.diagnosis.naming.judgement import HELD, temper, told
 from tests.calib.diagnosis.probabilities import Found, fit, reliability
 
 ERROR = 0.05
@@ -40,3 +40,11 @@ def test_names_are_told_until_they_make_up_nearly_all_and_three_at_most() -> Non
     alike = told({"a": 100.0, "b": 99.0, "c": 98.0, "d": 97.0}, 1.0)
     assert [each.effect for each in alike] == ["a", "b", "c"]
     assert told({"a": 100.0, "b": 0.0}, 1e-6)[1].probability > 0.49
+
+
+def test_names_that_explain_far_less_have_no_probability_however_strong_the_finding_is() -> None:
+    gain = 2.4e7
+    nets = {"adc_dnl": gain, "stuck_bit": 0.7 * gain, "lamp_drift": 30.0, "cti": -np.inf}
+    found = told(nets, temper(gain))
+    assert [each.effect for each in found] == ["adc_dnl"]
+    assert found[0].probability > HELD
