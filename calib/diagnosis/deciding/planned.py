@@ -17,7 +17,7 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
-from calib.diagnosis.statistics.rare import RARE
+from calib.diagnosis.statistics.rare import RareEvents
 from calib.forward.scene import bar
 from calib.kernels.expected_histogram import expected_histogram
 from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS, ResidualProducts
@@ -102,6 +102,6 @@ def expected_sums(b: int, base: Baseline, table: ConditionsTable, sensor: Sensor
     mean, std = base.mean_dn[b].ravel()[::step], np.sqrt(variance.ravel()[::step])
     counts = expected_histogram(mean, std, float(n * step), sensor.camera.full_scale_dn + 1)
     return BlockSums(
-        n, base.mean_dn[b], nothing, products, np.sqrt(variance), np.zeros(len(RARE)),
+        n, base.mean_dn[b], nothing, variance, products, np.sqrt(variance), RareEvents.none(),
         np.round(counts).astype(np.int64), np.zeros((1, 1), np.float32), 0,
     )  # fmt: skip

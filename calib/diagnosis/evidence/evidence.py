@@ -155,7 +155,7 @@ class Evidence:
     @cached_property
     def rare_space(self) -> RareSpace:
         """Where rare events are counted."""
-        counts = np.stack([each.rare for each in self.sums])
+        counts = np.stack([each.events.counts(self.sensor.noisy) for each in self.sums])
         variance = self.baseline.variance_dn2.mean(axis=(1, 2))
         return RareSpace.of(counts, self.n, self.sensor.n_pixels, variance)
 

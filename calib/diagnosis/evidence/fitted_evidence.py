@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.baseline.baseline import fit_baseline
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.growing import growing_pixels
+from calib.diagnosis.evidence.jumping import jumping_pixels
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
@@ -25,7 +26,9 @@ def evidence_of(sums: Sequence[BlockSums], table: ConditionsTable, sensor: Senso
         tuple(sums), table, sensor, baseline, Counts.of(sensor), CommonNoise(0.0, 0.0, 1.0)
     )
     growing = growing_pixels(sums, table, sensor, baseline)
-    noisy = np.union1d(noisy_pixels(plain), growing.pixels)
+    jumping = jumping_pixels(replace(plain, growing=growing)).pixels
+    growing = growing.without(jumping)
+    noisy = np.union1d(np.union1d(noisy_pixels(plain), growing.pixels), jumping)
     if len(noisy) == 0:
         return replace(plain, common=_common(plain), known_peaks=plain.peaks)
     cleaned = Sensor(sensor.camera, tuple(int(p) for p in noisy))

@@ -41,6 +41,11 @@ class Growing:
     dn_per_us: Floats
     variance_dn2: Floats
 
+    def without(self, others: NDArray[np.intp]) -> "Growing":
+        """Return those of them that are not among `others`."""
+        kept = ~np.isin(self.pixels, others)
+        return Growing(self.pixels[kept], self.dn_per_us[kept], self.variance_dn2[:, kept])
+
 
 def growing_pixels(
     sums: Sequence[BlockSums], table: ConditionsTable, sensor: Sensor, baseline: Baseline

@@ -13,6 +13,7 @@ from calib.diagnosis.simulation.events import change_of_events, density_of
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.with_values import with_values
 from calib.diagnosis.statistics.change import Change
+from calib.diagnosis.statistics.noisy import NOISY_SIGMA, few
 from calib.forward.departure import Departure
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameters_of
@@ -204,7 +205,7 @@ def _reproduced(one: Change, other: Change, evidence: Evidence, *, exact: bool) 
     signal = (evidence.baseline.mean_dn - evidence.baseline.offset_dn).reshape(one.means.shape)
     means = one.means
     if not exact:
-        smooth = [_along_profile(each.means, signal) for each in (one, other)]
+        smooth = [_along_profile(_of_quiet(each, evidence), signal) for each in (one, other)]
         means = _shrunk(smooth[0], smooth[1])
     std = evidence.pooled_std
     fine = np.isfinite(std) & (std > 0)
@@ -218,6 +219,16 @@ def _reproduced(one: Change, other: Change, evidence: Evidence, *, exact: bool) 
         one.pixel_misfit,
         one.pixel_growth,
     )  # fmt: skip
+
+
+def _of_quiet(change: Change, evidence: Evidence) -> Floats:
+    """Return the change of means, but of pixels that would be left out for their noise."""
+    z = change.pixel_variance * np.sqrt((evidence.n - 1).sum() / 2.0)
+    misfit = evidence.misfit(change.means, observed=False)
+    noisy = few(np.flatnonzero((z > NOISY_SIGMA) | (misfit > NOISY_SIGMA)), len(z))
+    means = change.means.copy()
+    means[:, noisy] = 0.0
+    return means
 
 
 def _along_profile(means: Floats, signal: Floats) -> Floats:

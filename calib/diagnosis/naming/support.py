@@ -27,7 +27,7 @@ def supported(model: Model, contest: Contest) -> Model:
     """Return the model without names that do not hold."""
     while model.members:
         left = unexplained_deviance(model, contest.evidence)
-        gains = [contest.own_gain(model, k) for k in range(len(model.members))]
+        gains = [_gain(k, model, contest) for k in range(len(model.members))]
         least = int(np.argmin(gains))
         if gains[least] >= LEAST_RATIO * left:
             wrong = _mispredicting(model, contest.evidence)
@@ -37,6 +37,12 @@ def supported(model: Model, contest: Contest) -> Model:
         kept = [m for j, m in enumerate(model.members) if j != least]
         model = contest.refitted(model, kept)
     return model
+
+
+def _gain(k: int, model: Model, contest: Contest) -> float:
+    """Return the deviance that member `k` explains, also of what whitened counts have less of."""
+    credit = max(-model.members[k].signature.shape.cost, 0.0)
+    return contest.own_gain(model, k) + credit
 
 
 def _mispredicting(model: Model, evidence: Evidence) -> int | None:

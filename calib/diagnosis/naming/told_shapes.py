@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.rare_space import whitened_counts
+from calib.diagnosis.naming.jumping_shapes import jumping_shapes
 from calib.diagnosis.naming.shapes import Shape
 from calib.diagnosis.statistics.rare import RARE
 from calib.diagnosis.statistics.repeats import UNLIKELY
@@ -20,6 +21,7 @@ from calib.forward.effects.cosmic_rays import CosmicRays
 from calib.forward.effects.duplicated_lines import DuplicatedLines
 from calib.forward.effects.heavy_tailed_noise import HeavyTailedNoise
 from calib.forward.effects.hot_pixels import HotPixels
+from calib.forward.effects.rts_pixels import RtsPixels
 from calib.forward.effects.stuck_bit import StuckBit
 
 Floats = NDArray[np.float64]
@@ -44,6 +46,7 @@ def told_shapes(evidence: Evidence) -> dict[str, tuple[Shape, ...]]:
     """Return the shapes of those effects that are not looked for blindly, by name."""
     return {
         HotPixels.name: _hot(evidence),
+        RtsPixels.name: jumping_shapes(evidence),
         AdcInl.name: _inl(evidence),
         AdcDnl.name: _dnl(evidence),
         StuckBit.name: _stuck(evidence),

@@ -82,7 +82,9 @@ def _classes(seen: Compared, axes: Axes) -> None:
 def _rare(seen: Compared, axes: Axes) -> None:
     evidence, model = seen.examined.evidence, seen.examined.model
     trials = np.stack([rare_trials(n, evidence.sensor.n_pixels) for n in evidence.n])
-    recorded = np.stack([each.rare for each in evidence.sums]).sum(axis=0)
+    recorded = np.stack([each.events.counts(evidence.sensor.noisy) for each in evidence.sums]).sum(
+        axis=0
+    )
     x = np.arange(len(_RARE_WORDS))
     axes.bar(x - 0.2, _by_word(recorded), 0.36, color=RECORDED, label="recorded")
     if model.change is not None:

@@ -11,7 +11,7 @@ from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.gather import CUT_SIGMA
 from calib.diagnosis.statistics.pooled import pooled
-from calib.diagnosis.statistics.rare import RARE, rare_counts, rare_trials
+from calib.diagnosis.statistics.rare import RareEvents, rare_events, rare_trials
 from calib.diagnosis.statistics.repeats import repeated_lines
 from calib.diagnosis.statistics.settled_mean import settled_mean
 from calib.kernels.residual_products import ResidualProducts, stacked_products
@@ -27,7 +27,8 @@ class Drawn:
         products: Of blocks that have as many lines as each other, one entry for each number.
         blocks: Which blocks these are, likewise.
         n_lines: How many lines they have, likewise.
-        rare: Rates of what is counted, (n_blocks, n_rare).
+        events: What is counted in each block.
+        drawn: Lines that were drawn of each block.
         ratio: Each pixel's variance over what is expected, (n_blocks, n_pixels).
         codes: Shares of samples by code, (n_blocks, n_codes).
         means: Of each pixel, DN, (n_blocks, n_pixels).
@@ -36,7 +37,8 @@ class Drawn:
     products: tuple[ResidualProducts, ...]
     blocks: tuple[NDArray[np.intp], ...]
     n_lines: tuple[int, ...]
-    rare: Floats
+    events: tuple[RareEvents, ...]
+    drawn: int
     ratio: Floats
     codes: Floats
     means: Floats
@@ -52,6 +54,11 @@ class Drawn:
         if sensor.noisy not in self._pooled:
             self._pooled[sensor.noisy] = self._in_groups(variance, sensor, counts)
         return self._pooled[sensor.noisy]
+
+    def rare(self, sensor: Sensor) -> Floats:
+        """Return rates of what is counted, (n_blocks, n_rare), noisy pixels' accidents left out."""
+        counts = np.stack([each.counts(sensor.noisy) for each in self.events])
+        return np.asarray(counts / rare_trials(self.drawn, sensor.n_pixels))
 
     @cached_property
     def _pooled(self) -> dict[tuple[int, ...], Floats]:
@@ -80,7 +87,8 @@ def drawn_of(lines: Floats, chain: FittedChain, *, coded: bool) -> Drawn:
         lines = np.clip(np.floor(lines + 0.5), 0, sensor.camera.full_scale_dn)
         again = np.stack([repeated_lines(each) for each in lines])
     kept = n - again.sum(axis=1)
-    rare, ratio = np.zeros((n_blocks, len(RARE))), np.zeros((n_blocks, sensor.n_pixels))
+    ratio = np.zeros((n_blocks, sensor.n_pixels))
+    events = [RareEvents.none()] * n_blocks
     counts, products, blocks, means = [], [], [], np.zeros_like(ratio)
     for m in np.unique(kept):
         which = np.flatnonzero(kept == m)
@@ -93,7 +101,9 @@ def drawn_of(lines: Floats, chain: FittedChain, *, coded: bool) -> Drawn:
             each = zip(some, mean, cut, found.outliers, strict=True)
             mean = np.stack([settled_mean(*block) for block in each])
             found = stacked_products(some, mean, cut, *parts)
-        rare[which] = _rare(some, mean, sigma, found, n - int(m))
+        counted = _rare(some, mean, sigma, found, n - int(m))
+        for b, happened in zip(which.tolist(), counted, strict=True):
+            events[b] = happened
         expected = variance[which] * max(m - 1, 1)
         ratio[which] = (found.squares / expected).reshape(len(which), -1)
         counts.append(int(m))
@@ -101,7 +111,7 @@ def drawn_of(lines: Floats, chain: FittedChain, *, coded: bool) -> Drawn:
         blocks.append(which)
     return Drawn(
         tuple(products), tuple(blocks), tuple(counts),
-        rare / rare_trials(n, sensor.n_pixels), ratio,
+        tuple(events), n, ratio,
         _shares(lines, again, sensor, coded=coded), means,
     )  # fmt: skip
 
@@ -112,13 +122,12 @@ def _without(lines: Floats, again: NDArray[np.bool_], which: NDArray[np.intp]) -
 
 def _rare(
     lines: Floats, mean: Floats, sigma: Floats, products: ResidualProducts, repeated: int
-) -> Floats:
-    """Return what is counted in each block, (n, n_rare)."""
-    found = np.zeros((len(lines), len(RARE)))
-    found[:, RARE.index("identical_lines")] = repeated
+) -> list[RareEvents]:
+    """Return what is counted in each block."""
+    found = [RareEvents.none(repeated)] * len(lines)
     mean = mean + products.total / max(lines.shape[1], 1)
     for b in np.flatnonzero(products.outliers.any(axis=(1, 2))):
-        found[b] = rare_counts(lines[b], mean[b], sigma[b], products.outliers[b], repeated)
+        found[b] = rare_events(lines[b], mean[b], sigma[b], products.outliers[b], repeated)
     return found
 
 

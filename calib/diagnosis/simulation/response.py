@@ -86,7 +86,7 @@ class Responder:
         moved = _mean([each.pooled(variance, sensor, counts) for each in drawn])
         moved = moved - plain.pooled(variance, sensor, counts)
         moved = as_of_long_blocks(moved, self.n_lines, table.n_lines, sensor)
-        rare = _mean([d.rare for d in drawn]) - plain.rare
+        rare = _mean([d.rare(sensor) for d in drawn]) - plain.rare(sensor)
         if not any(map(self.chain.has_events, effects)):
             scatter, counted = scatter_change(sampled, variance, sensor, counts)
             moved, rare = moved + scatter, rare + counted

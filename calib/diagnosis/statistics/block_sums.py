@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.statistics.rare import RareEvents
 from calib.kernels.residual_products import ResidualProducts
 
 Floats = NDArray[np.float64]
@@ -21,9 +22,10 @@ class BlockSums:
         n_lines: Lines, or frames.
         mean_dn: Mean code without outliers, (n_rows, n_columns).
         clipped: Share of samples at code 0 or full scale, (n_rows, n_columns).
+        variance_dn2: Of all samples about their mean, outliers as well, likewise.
         products: Sums of products of residuals.
         sigma_dn: Standard deviation of each pixel's samples, held near its tap's others.
-        rare: How often each of `rare.RARE` happens.
+        events: What is counted: single samples that stand out, and the like.
         histogram: Samples by code, (n_codes,).
         power: Power of the residuals by line and column frequency, (2 n_lines, n_pixels // 2 + 1),
             of the first `spectrum_lines` lines, over what white noise of unit variance would give.
@@ -33,9 +35,15 @@ class BlockSums:
     n_lines: int
     mean_dn: Floats
     clipped: Floats
+    variance_dn2: Floats
     products: ResidualProducts
     sigma_dn: Floats
-    rare: Floats
+    events: RareEvents
     histogram: NDArray[np.int64]
     power: NDArray[np.float32]
     spectrum_lines: int
+
+    @property
+    def rare(self) -> Floats:
+        """How often each of `rare.RARE` happens, (n_rare,)."""
+        return self.events.counts()

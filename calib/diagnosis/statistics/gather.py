@@ -8,7 +8,7 @@ from scipy import fft
 
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import PADDING, BlockSums, Floats
-from calib.diagnosis.statistics.rare import rare_counts
+from calib.diagnosis.statistics.rare import rare_events
 from calib.diagnosis.statistics.repeats import repeated_lines
 from calib.diagnosis.statistics.settled_mean import settled_mean
 from calib.kernels.residual_products import residual_products
@@ -81,9 +81,10 @@ def block_sums(
         n,
         mean,
         ((sums.at_zero + sums.at_full_scale) / n).reshape(shape),
+        variance,
         products,
         sigma,
-        rare_counts(samples, mean, sigma, products.outliers, int(repeated.sum())),
+        rare_events(samples, mean, sigma, products.outliers, int(repeated.sum())),
         np.bincount(flat.ravel(), minlength=sensor.camera.full_scale_dn + 1),
         _power(flat[:lines], mean.ravel(), cut.ravel()),
         lines,

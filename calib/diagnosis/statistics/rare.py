@@ -6,6 +6,9 @@ others do, else by its sign. Sizes are not told apart: charges have tails of the
 left of a few events would be taken for something else.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,14 +38,47 @@ OFTEN = 3
 """Outliers in one pixel and block that make it a noisy one: no accident of single samples."""
 
 
-def rare_counts(
+@dataclass(frozen=True)
+class RareEvents:
+    """What is counted in a block.
+
+    Attributes:
+        often: How many pixels often stand out.
+        repeated: How many lines come twice.
+        pixel: Where each single sample is that stands out, flat, (n,).
+        kind: Which of `RARE` it is, likewise.
+    """
+
+    often: int
+    repeated: int
+    pixel: Whole
+    kind: Whole
+
+    @classmethod
+    def none(cls, repeated: int = 0) -> "RareEvents":
+        """Return that nothing but repeated lines happened."""
+        return cls(0, repeated, np.zeros(0, np.intp), np.zeros(0, np.intp))
+
+    def counts(self, noisy: Sequence[int] = ()) -> Floats:
+        """Return how often each of `RARE` happens, (n_rare,).
+
+        What a pixel does that is noisy in all of a recording is no accident of single samples,
+        though it may stand out but once in a block: single samples of `noisy` pixels do not count.
+        """
+        single = self.kind[~np.isin(self.pixel, noisy)] if len(noisy) else self.kind
+        counts = np.bincount(single, minlength=len(RARE)).astype(np.float64)
+        counts[len(SINGLE) : len(SINGLE) + 2] = self.often, self.repeated
+        return counts
+
+
+def rare_events(
     samples: NDArray[np.generic],
     mean: Floats,
     sigma: Floats,
     outliers: NDArray[np.int64],
     repeated: int,
-) -> Floats:
-    """Return how often each of `RARE` happens in a block, (n_rare,).
+) -> RareEvents:
+    """Return what is counted in a block.
 
     Args:
         samples: (n_lines, n_rows, n_columns).
@@ -51,9 +87,7 @@ def rare_counts(
         outliers: How many samples of each pixel are beyond the cut, likewise.
         repeated: Lines that were left out since they repeat one before.
     """
-    counts = np.zeros(len(RARE))
     often = _often(outliers.ravel())
-    counts[len(SINGLE) : len(SINGLE) + 2] = often.sum(), repeated
     single = np.flatnonzero((outliers.ravel() > 0) & ~often)
     flat = samples.reshape(len(samples), -1)
     off_dn = flat[:, single].astype(np.float64) - mean.ravel()[single]
@@ -66,7 +100,7 @@ def rare_counts(
     kind = np.where(size > 0, 0, 1)
     kind = np.where(far & flipped, len(SINGLE) + 2 + bit + np.where(size > 0, 0, FLIPS), kind)
     kind = np.where(track, RARE.index("tracks"), kind)
-    return counts + np.bincount(kind, minlength=len(RARE))
+    return RareEvents(int(often.sum()), repeated, pixel, kind.astype(np.intp))
 
 
 def rare_trials(n_lines: float, n_pixels: int) -> Floats:

@@ -1,0 +1,93 @@
+"""Pixels whose samples scatter more than their means explain, by the same variance in all blocks.
+
+A pixel that jumps between two levels a apart, and is up for the share u of the time, has the
+variance a^2 u (1 - u) beside that of its noise (Kirton and Uren, Adv. Phys. 38, 367 (1989)),
+whatever the light and however long it is gathered. Of n lines a variance v is told to
+2 v^2 / (n - 1), and so blocks of little noise tell most of what is added. What dark current or
+light makes of a pixel's noise grows with them, and is told from jumps by which of the two explains
+more of it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.statistics.noisy import NOISY_SIGMA, few
+
+Floats = NDArray[np.float64]
+
+MOST_OF_A_BLOCK = 4.0
+"""Standard deviations for which one block counts at the most: single samples far out raise the
+variance of a block or two by any amount, and jumps that of most."""
+MAD_OF_NORMAL = 0.6745
+"""Median absolute deviation of a standard normal variable."""
+
+
+@dataclass(frozen=True)
+class Jumping:
+    """Pixels that jump.
+
+    Attributes:
+        pixels: Their flat indices, (n,).
+        variance_dn2: What jumps add to the variance of each, (n,).
+        deviance: That it explains of each one's variances, (n,).
+    """
+
+    pixels: NDArray[np.intp]
+    variance_dn2: Floats
+    deviance: Floats
+
+    @property
+    def amplitude_dn(self) -> float:
+        """Height of the jumps, if the pixel that scatters most is up for half of the time."""
+        return 2.0 * float(np.sqrt(self.variance_dn2.max()))
+
+
+def jumping_pixels(evidence: Evidence) -> Jumping:
+    """Return the pixels that jump; none where they are many."""
+    expected = _expected(evidence)
+    measured = np.stack([each.variance_dn2.ravel() for each in evidence.sums])
+    weight = np.maximum(evidence.n - 1.0, 0.0)[:, None] / (2.0 * expected**2)
+    excess = measured - expected
+    held = np.minimum(np.sqrt(weight) * excess, MOST_OF_A_BLOCK)
+    z = (np.sqrt(weight) * held).sum(axis=0) / np.sqrt(np.maximum(weight.sum(axis=0), 1e-300))
+    middle = float(np.median(z))
+    z = (z - middle) / max(float(np.median(np.abs(z - middle))) / MAD_OF_NORMAL, 1.0)
+    far = z > NOISY_SIGMA
+    ones = np.ones((evidence.n_blocks, 1))
+    exposure = evidence.table.exposure_us[:, None] * ones
+    light = np.maximum(evidence.signal_dn, 0.0)[:, None]
+    for grown in (exposure, light, light**2):
+        far &= _explained(weight, excess, ones) > _explained(weight, excess, grown)
+    pixels = few(np.flatnonzero(far), len(z))
+    added = np.average(excess[:, pixels], axis=0, weights=weight[:, pixels])
+    added = np.maximum(added, 0.0)
+    return Jumping(pixels, added, _deviance(evidence.n, expected[:, pixels], added))
+
+
+def _deviance(n: Floats, expected: Floats, added: Floats) -> Floats:
+    """Return by how much variances of n normal samples fit better with what is added, (n_pixels,).
+
+    Twice the logarithm of the likelihood ratio is (n - 1) (r - 1 - ln r), r the ratio of variances.
+    """
+    ratio = 1.0 + added / expected
+    return np.asarray(((n[:, None] - 1.0) * (ratio - 1.0 - np.log(ratio))).sum(axis=0))
+
+
+def _expected(evidence: Evidence) -> Floats:
+    """Return the variance of each pixel's samples, dark charge's shot noise with it."""
+    expected = evidence.baseline.variance_dn2.reshape(evidence.n_blocks, -1).copy()
+    growing = evidence.growing
+    if growing is not None:
+        gain = evidence.baseline.gain_dn_per_e[evidence.sensor.tap].ravel()[growing.pixels]
+        grown = np.outer(evidence.table.exposure_us, growing.dn_per_us)
+        expected[:, growing.pixels] += np.maximum(gain, 0.0) * grown
+    return expected
+
+
+def _explained(weight: Floats, excess: Floats, shape: Floats) -> Floats:
+    """Return the deviance that `shape`, (n_blocks, 1), explains of each pixel's excess."""
+    length2 = np.maximum((weight * shape**2).sum(axis=0), 1e-300)
+    return np.asarray(np.maximum((weight * shape * excess).sum(axis=0), 0.0) ** 2 / length2)

@@ -1,0 +1,55 @@
+import numpy as np
+from numpy.random import default_rng
+
+from calib.diagnosis.evidence.jumping import jumping_pixels
+from calib.diagnosis.naming.told_shapes import told_shapes
+from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.statistics.gather import block_sums
+from calib.diagnosis.statistics.rare import RARE
+from calib.forward.effects.cosmic_rays import CosmicRays
+from calib.forward.effects.heavy_tailed_noise import HeavyTailedNoise
+from calib.forward.effects.hot_pixels import HotPixels
+from calib.forward.effects.rts_pixels import RtsPixels
+from calib.recording.header import CameraHeader
+from tests.calib.diagnosis.recordings import plain_model, plan, recorded
+
+COLUMNS = 128
+
+
+def test_pixels_that_jump_are_found_and_their_variance_is_theirs() -> None:
+    z = []
+    for rng in default_rng().spawn(3):
+        jumping = RtsPixels(amplitude_dn=9.0, share=0.03, dwell_up_s=0.002, dwell_down_s=0.004)
+        evidence = recorded(plain_model(COLUMNS), plan(rng, 60), rng, (jumping,))
+        found = jumping_pixels(evidence)
+        assert found.pixels.tolist() == jumping.pixels((COLUMNS,)).tolist()
+        shape = told_shapes(evidence)["rts_pixels"][0].template
+        assert isinstance(shape, RtsPixels)
+        assert shape.share == len(found.pixels) / COLUMNS
+        up = jumping.up_share
+        z.append(found.variance_dn2 / (81.0 * up * (1.0 - up)) - 1.0)
+    off = np.concatenate(z)
+    assert abs(off.mean()) < 5.0 * off.std(ddof=1) / np.sqrt(len(off))
+
+
+def test_no_pixel_jumps_where_single_samples_are_far_out_or_dark_current_is_noisy() -> None:
+    others = (
+        (),
+        (CosmicRays(per_pixel_s=0.5, electrons=4000.0),),
+        (HeavyTailedNoise(share=2e-3, std_e=400.0),),
+        (HotPixels(pixels=(7, 30, 88), rates_e_per_us=(2.0, 5.0, 3.0)),),
+    )
+    for rng, effects in zip(default_rng().spawn(len(others)), others, strict=True):
+        evidence = recorded(plain_model(COLUMNS), plan(rng, 60), rng, effects)
+        assert len(jumping_pixels(evidence).pixels) == 0
+        assert told_shapes(evidence)["rts_pixels"] == ()
+
+
+def test_what_a_noisy_pixel_does_is_no_accident_of_single_samples() -> None:
+    lines = np.rint(default_rng().normal(300.0, 2.0, (80, 1, 64))).astype(np.int64)
+    lines[10, 0, 5], lines[30, 0, 9] = 320, 320
+    events = block_sums(
+        lines.astype(np.uint16), Sensor(CameraHeader(columns=64, bit_depth=12)), 1 << 16
+    ).events
+    above = RARE.index("above")
+    assert (events.counts()[above], events.counts((5,))[above]) == (2.0, 1.0)
