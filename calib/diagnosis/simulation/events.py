@@ -2,11 +2,11 @@
 
 So few happen in the few lines that are drawn that their statistics would be those of chance. They
 are drawn denser than they are, and what they change is scaled back: that is exact for counts of
-events and shares of codes, and for moments as long as events are rare. Events that are denser still
-are drawn as they are.
+events and shares of codes, and for moments as long as events are rare. Bits that move samples far
+are drawn as they stick where that is more often still.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -43,14 +43,15 @@ def density_of(effect: Departure, responder: Responder) -> Density | None:
     if effect.name == "stuck_bit":
         least = float(np.sqrt(responder.chain.baseline.variance_dn2.mean(axis=(1, 2)).min()))
         moves = 2.0 ** int(getattr(effect, "bit"))  # noqa: B009 - of one kind of effect
-        return Density("probability", 0.05 if moves < SMALL_SIGMA * least else DENSE)
+        if moves < SMALL_SIGMA * least:
+            return Density("probability", 0.05)
+        return Density("probability", max(DENSE, float(getattr(effect, "probability"))))  # noqa: B009
     return None
 
 
 def change_of_events(effect: Departure, density: Density, responder: Responder) -> Change:
     """Return what the effect changes, from where its events are dense."""
     now = float(getattr(effect, density.parameter))
-    density = replace(density, dense=max(density.dense, now))
     dense = with_values(effect, {density.parameter: density.dense})
     return _unit(dense, density, responder) * (now / density.dense)
 
