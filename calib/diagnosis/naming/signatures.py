@@ -11,6 +11,7 @@ from calib.diagnosis.naming.shapes import Shape
 from calib.diagnosis.recorded.monitor import light_change
 from calib.diagnosis.simulation.events import change_of_events, density_of
 from calib.diagnosis.simulation.response import Responder
+from calib.diagnosis.simulation.sampled_lines import is_tone
 from calib.diagnosis.simulation.with_values import with_values
 from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.noisy import NOISY_SIGMA, few
@@ -82,7 +83,7 @@ def signature(
         found = _taken(shape, found.strength, evidence, responder, first=found.change)
     if found.length < FEWEST_SIGMA:
         return None
-    power = 1.0 if shape.two_sided or shape.fixed else _power(tried)
+    power = 1.0 if shape.two_sided or shape.fixed else _power_of(shape, tried)
     if is_of_events(shape, responder):
         power = _power_of_events(found, evidence, responder)
     return Signature(shape, found.strength, found.change, found.point, found.length, power)
@@ -99,7 +100,7 @@ def retaken(
     again = _taken(one.shape, strength, evidence, responder)
     power = one.power
     if not one.shape.two_sided:
-        power = _power([(one.strength, one.length), (abs(strength), again.length)])
+        power = _power_of(one.shape, [(one.strength, one.length), (abs(strength), again.length)])
     if is_of_events(one.shape, responder):
         power = _power_of_events(again, evidence, responder)
     return replace(again, power=power)
@@ -114,6 +115,11 @@ def _power_of_events(one: Signature, evidence: Evidence, responder: Responder) -
     """Return the power where a signature was taken: counts are whitened along a curve."""
     more = _taken(one.shape, 1.2 * one.strength, evidence, responder, once=True)
     return _power([(one.strength, one.length), (more.strength, more.length)])
+
+
+def _power_of(shape: Shape, tried: list[tuple[float, float]]) -> float:
+    """Return the power of a strength without sign: second moments of a tone go as its square."""
+    return 2.0 if is_tone(shape.template) else _power(tried)
 
 
 def _power(tried: list[tuple[float, float]]) -> float:

@@ -14,7 +14,8 @@ from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.diagnosis.simulation.drawn_lines import Drawn, drawn_of
 from calib.diagnosis.simulation.mean_change import mean_change, scatter_change, tone_change
-from calib.diagnosis.simulation.sampled_lines import sampled_lines
+from calib.diagnosis.simulation.opposite_tone import opposite_tone
+from calib.diagnosis.simulation.sampled_lines import is_tone, sampled_lines
 from calib.diagnosis.simulation.short_blocks import as_of_long_blocks
 from calib.diagnosis.simulation.stack import Stack
 from calib.diagnosis.statistics.change import Change
@@ -72,8 +73,10 @@ class Responder:
         sampled = sampled_lines(self.chain, others, lefts, draw)
         means, onset = mean_change(sampled)
         # An effect's own noise has chance products with that of the baseline, of either sign.
-        signs = (1.0, -1.0) if any(map(self.chain.has_noise, effects)) else (1.0,)
-        drawn = [self._drawn(effects, lefts, draw, coded=coded, sign=sign) for sign in signs]
+        signed = {1.0: effects}
+        if any(map(self.chain.has_noise, effects)) or any(map(is_tone, effects)):
+            signed[-1.0] = [opposite_tone(effect) for effect in effects]
+        drawn = [self._drawn(e, lefts, draw, coded=coded, sign=sign) for sign, e in signed.items()]
         plain = (self.plain or self).plain_drawn(draw, coded=coded)
         if coded:
             means = means + self._of_codes(drawn[0], others, lefts, draw)

@@ -1,0 +1,47 @@
+"""What a tone does to second moments is its own, and nothing of the few lines' noise."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from calib.diagnosis.diagnose import responder_of
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.signatures import change_of
+from calib.diagnosis.simulation.opposite_tone import opposite_tone
+from calib.forward.effects.banding import Banding
+from calib.forward.effects.lag import Lag
+from tests.calib.diagnosis.recordings import plain_model, plan, recorded
+
+COLUMNS, LINES = 96, 100
+CYCLES = 7.3
+KINDS = ("variance", "columns_1", "lines_1")
+
+
+@cache
+def plain() -> Evidence:
+    rng = default_rng()
+    return recorded(plain_model(COLUMNS), plan(rng, LINES, twice=0), rng)
+
+
+def moved(amplitude_dn: float) -> np.ndarray:
+    evidence = plain()
+    tone = Banding(amplitude_dn, CYCLES / (evidence.table.line_period_us * 1e-6))
+    change = change_of((tone,), evidence, responder_of(evidence)).pooled
+    return np.concatenate([change[:, evidence.places[kind]].ravel() for kind in KINDS])
+
+
+def test_a_tones_second_moments_grow_as_its_amplitude_squared() -> None:
+    weak, strong = moved(0.02), moved(2.0)
+    assert np.abs(strong).max() > 1e-3
+    # Chance products with noise would grow as the amplitude, and be a hundred times as large.
+    np.testing.assert_allclose(weak * 1e4, strong, atol=0.01 * np.abs(strong).max())
+
+
+@pytest.mark.parametrize("phase_rad", [-6.0, 0.0, 1.0, 6.0])
+def test_a_tone_and_its_opposite_cancel(phase_rad: float) -> None:
+    tone = Banding(1.0, 12_345.0, phase_rad)
+    half = opposite_tone(tone)
+    assert np.cos(half.phase_rad - phase_rad) == pytest.approx(-1.0)
+    assert opposite_tone(Lag(0.01)) == Lag(0.01)
