@@ -2,14 +2,15 @@
 
 So few happen in the few lines that are drawn that their statistics would be those of chance. They
 are drawn denser than they are, and what they change is scaled back: that is exact for counts of
-events and shares of codes, and for moments as long as events are rare. Bits that move samples far
-are drawn as they stick where that is more often still.
+events and shares of codes, and for moments as long as events are rare. Bits that no
+comb of code widths resembles are drawn as they stick where that is more often still.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from calib.diagnosis.baseline.code_counts import CLASSES
 from calib.diagnosis.simulation.coded_means import coded_means
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.with_values import with_values
@@ -43,9 +44,10 @@ def density_of(effect: Departure, responder: Responder) -> Density | None:
     if effect.name == "stuck_bit":
         least = float(np.sqrt(responder.chain.baseline.variance_dn2.mean(axis=(1, 2)).min()))
         moves = 2.0 ** int(getattr(effect, "bit"))  # noqa: B009 - of one kind of effect
-        if moves < SMALL_SIGMA * least:
-            return Density("probability", 0.05)
-        return Density("probability", max(DENSE, float(getattr(effect, "probability"))))  # noqa: B009
+        dense = 0.05 if moves < SMALL_SIGMA * least else DENSE
+        if moves >= CLASSES:
+            dense = max(dense, float(getattr(effect, "probability")))  # noqa: B009 - likewise
+        return Density("probability", dense)
     return None
 
 
