@@ -10,11 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.evidence.rare_space import whitened_counts
 from calib.diagnosis.naming.jumping_shapes import jumping_shapes
+from calib.diagnosis.naming.repeated import repeated_shapes
 from calib.diagnosis.naming.shapes import Shape
-from calib.diagnosis.statistics.rare import RARE
-from calib.diagnosis.statistics.repeats import UNLIKELY
 from calib.forward.effects.adc_dnl import AdcDnl
 from calib.forward.effects.adc_inl import AdcInl
 from calib.forward.effects.cosmic_rays import CosmicRays
@@ -51,7 +49,7 @@ def told_shapes(evidence: Evidence) -> dict[str, tuple[Shape, ...]]:
         AdcDnl.name: _dnl(evidence),
         StuckBit.name: _stuck(evidence),
         CosmicRays.name: _of_noise(CosmicRays, "per_pixel_s", "electrons", TRACK_NOISES, evidence),
-        DuplicatedLines.name: _duplicated(evidence),
+        DuplicatedLines.name: repeated_shapes(evidence),
         HeavyTailedNoise.name: _of_noise(HeavyTailedNoise, "share", "std_e", TAIL_NOISES, evidence),
     }
 
@@ -78,20 +76,6 @@ def _of_noise(
         )
         for noise in noises
     )
-
-
-def _duplicated(evidence: Evidence) -> tuple[Shape, ...]:
-    """Return repeated lines: that one of them is chance is less likely than its count tells.
-
-    Of n events where m are expected by chance the deviance is 2 (n ln(n / m) - n + m); the scale on
-    which counts scatter by 1 has less of it, and the rest is a credit.
-    """
-    n = float(sum(each.rare[RARE.index("identical_lines")] for each in evidence.sums))
-    seen = float(whitened_counts(np.array(n))) ** 2
-    credit = max(2.0 * n * (log(max(n, 1.0) / UNLIKELY) - 1.0) - seen, 0.0)
-    unit = DuplicatedLines().probability
-    varied = (("probability", unit, 0.0),)
-    return (Shape(DuplicatedLines(unit), varied, two_sided=False, freedom=-credit / 2.0),)
 
 
 def _hot(evidence: Evidence) -> tuple[Shape, ...]:
