@@ -22,6 +22,8 @@ STEPS = 5
 """Of Gauss and Newton."""
 LEAST_STEP = 0.05
 """In standard deviations: smaller steps end the fit."""
+STALLED = 2
+"""So many steps without a better fit end it: codes, and single events, make it scatter."""
 DETERMINED = 3.0
 """A parameter joins the fit where its logarithm is determined to one over this."""
 RELATIVE_STEP = 0.1
@@ -32,12 +34,16 @@ FARTHEST = 0.7
 
 def refitted(model: Model, evidence: Evidence, responder: Responder) -> Model:
     """Return the model with all parameters fitted jointly, by Gauss and Newton."""
-    best = _prepared(_fitted(model, evidence, responder), evidence, responder)
-    return _fitted(best, evidence, responder)
+    best, settled = _fitted(model, evidence, responder)
+    prepared = _prepared(best, evidence, responder)
+    if settled and [m.inner for m in prepared.members] == [m.inner for m in best.members]:
+        return best
+    return _fitted(prepared, evidence, responder)[0]
 
 
-def _fitted(model: Model, evidence: Evidence, responder: Responder) -> Model:
-    members, best, baseline = model.members, None, model.baseline
+def _fitted(model: Model, evidence: Evidence, responder: Responder) -> tuple[Model, bool]:
+    """Return the best of some steps, and whether more of them would be of no use."""
+    members, best, baseline, worse = model.members, None, model.baseline, 0
     for turn in range(STEPS):
         about = responder.about(baseline)
         plain = change_of(tuple(m.effect for m in members), evidence, about)
@@ -50,16 +56,18 @@ def _fitted(model: Model, evidence: Evidence, responder: Responder) -> Model:
         steps, std = _solved(members, residual, evidence)
         members = _with_std(members, std)
         now = replace(model, members=members, change=change, residual=residual, baseline=baseline)
+        worse += 1
         if best is None or misfit(now, evidence) < misfit(best, evidence):
-            best = now
+            best, worse = now, 0
         moving = _moving(members)
         small = np.abs(steps) < LEAST_STEP * np.maximum(std, 1e-300)
-        if not moving.any() or (small[moving].all() and turn > 0):
-            break
+        converged = not moving.any() or (small[moving].all() and turn > 0)
+        if converged or worse >= STALLED:
+            return best, True
         members = _stepped(members, steps)
         baseline = rebased(baseline, model.observed - change, evidence)
     assert best is not None  # noqa: S101 - a step was taken
-    return best
+    return best, False
 
 
 def _moving(members: Sequence[Member]) -> NDArray[np.bool_]:
