@@ -59,7 +59,7 @@ def test_a_single_column_without_rhyme_or_reason_follows_nothing() -> None:
     pattern = np.zeros(COLUMNS)
     pattern[40] = 1.0
     # White from block to block: of six parabolas one explains 60 % of 18 blocks once in 10^3 runs.
-    # Chance in the other 127 columns is some hundred of 160^2: the middle nine tenths are the one's.
+    # Chance in the other columns is some hundred of 160^2: the middle nine tenths are one column.
     where = described(default_rng().standard_normal(clean().n_blocks), pattern, 160.0)
     assert "in a few single columns" in where.text
     assert where.columns[0] <= 40 <= where.columns[1]
