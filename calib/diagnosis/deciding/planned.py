@@ -18,6 +18,7 @@ from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.rare import RareEvents
+from calib.diagnosis.statistics.tones import Peak
 from calib.forward.scene import bar
 from calib.kernels.expected_histogram import expected_histogram
 from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS, ResidualProducts
@@ -37,7 +38,17 @@ def with_planned(evidence: Evidence, blocks: Sequence[Block]) -> Evidence:
         expected_sums(b, base, table, evidence.sensor) for b in range(first, first + len(blocks))
     ]
     sums = (*evidence.sums, *new)
-    return replace(evidence, sums=sums, table=table, baseline=base, whole=None)
+    peaks = tuple(_not_looked_for(peak, len(blocks)) for peak in evidence.peaks)
+    return replace(evidence, sums=sums, table=table, baseline=base, whole=None, known_peaks=peaks)
+
+
+def _not_looked_for(peak: Peak, n_blocks: int) -> Peak:
+    """Return a recording's tone, of which the planned blocks tell nothing."""
+    return replace(
+        peak,
+        squared_amplitude_dn2=peak.squared_amplitude_dn2 + (0.0,) * n_blocks,
+        std_dn2=peak.std_dn2 + (np.inf,) * n_blocks,
+    )
 
 
 def _with_blocks(table: ConditionsTable, blocks: Sequence[Block]) -> ConditionsTable:

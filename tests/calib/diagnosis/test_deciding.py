@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -19,6 +20,7 @@ from calib.diagnosis.deciding.testable import newly_testable
 from calib.diagnosis.diagnose import Examination, examine, responder_of
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.signatures import change_of
+from calib.diagnosis.statistics.tones import Peak
 from calib.forward.departure import Departure
 from calib.forward.effect import Effect
 from calib.forward.effects.stray_light import StrayLight
@@ -160,3 +162,15 @@ def test_a_plan_makes_testable_what_it_has_and_nothing_else() -> None:
     assert asked is not None
     assert "stray_light" in asked.makes_testable
     assert asked.expected_sigma is None
+
+
+def test_a_tone_of_the_recording_says_nothing_of_planned_blocks() -> None:
+    recorded = stray().evidence
+    n = recorded.n_blocks
+    tone = Peak(0.2, 3, (2.0,) * n, (0.1,) * n, 50.0)
+    planned = [b.model_copy(update={"started_s": 99.0 + k}) for k, b in enumerate(blocks_of(AGCAM))]
+    both = with_planned(replace(recorded, known_peaks=(tone,)), planned)
+    by_block = both.without_blocks(np.zeros(0, np.intp))  # where tones come last
+    whitened = by_block.point(both.observed()).rest[-both.n_blocks :]
+    assert (whitened[:n] > 0.0).all()
+    assert (whitened[n:] == 0.0).all()
