@@ -7,16 +7,13 @@ import numpy as np
 
 from calib.diagnosis.answer import known_strengths
 from calib.diagnosis.answer.description import describe
-from calib.diagnosis.answer.estimate import Estimate
 from calib.diagnosis.answer.figures import Figures
 from calib.diagnosis.answer.findings import (
     Diagnosis,
-    Finding,
     Fit,
-    NamedCandidate,
     Unexplained,
 )
-from calib.diagnosis.answer.locate import locate
+from calib.diagnosis.answer.found import findings_of
 from calib.diagnosis.baseline.requirements import check_can_be_diagnosed, check_determined
 from calib.diagnosis.baseline.scenes import with_steady_light
 from calib.diagnosis.evidence.evidence import Evidence
@@ -25,13 +22,13 @@ from calib.diagnosis.given.given_model import parameters_off
 from calib.diagnosis.given.known import beside, known_departures, of_known_baseline
 from calib.diagnosis.given.parameter_off import ParameterOff
 from calib.diagnosis.naming.all_signatures import all_signatures
-from calib.diagnosis.naming.contest import Contest, contribution
-from calib.diagnosis.naming.heldout import HeldOut, HeldOutDeviances
-from calib.diagnosis.naming.judgement import Candidate, candidates_of
-from calib.diagnosis.naming.model import Member, Model
+from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.grids import Scales
+from calib.diagnosis.naming.heldout import HeldOutDeviances
+from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.remainder import CERTAIN_SIGMA, looks_at, worst
 from calib.diagnosis.naming.search import find
-from calib.diagnosis.naming.shapes import Scales, departures, shapes_of
+from calib.diagnosis.naming.shapes import departures, shapes_of
 from calib.diagnosis.naming.signatures import Signature
 from calib.diagnosis.naming.told_shapes import told_shapes
 from calib.diagnosis.recorded.joint import joint, joint_images
@@ -45,7 +42,6 @@ from calib.diagnosis.statistics.gather import gather
 from calib.diagnosis.statistics.steps import steps
 from calib.diagnosis.words.in_words import in_words
 from calib.forward.model import Model as ForwardModel
-from calib.forward.parameter import parameters_of
 from calib.recording.header import RecordingHeader
 from calib.recording.protocol import Recording
 
@@ -130,7 +126,7 @@ def examine(
     model = find(contest, beside(known, evidence))
     contest = replace(contest, free=any(m.course for m in model.members))
     heldout = HeldOutDeviances(model, evidence)
-    findings = _findings(model, contest, heldout)
+    findings = findings_of(model, contest, heldout)
     look, sigma = worst(model, evidence)
     unexplained = None
     if sigma > CERTAIN_SIGMA:
@@ -206,61 +202,6 @@ def signatures_of(
     told = told_shapes(evidence)
     shapes = [told[k.name] if k.name in told else shapes_of(k, scales) for k in kinds]
     return all_signatures(shapes, evidence, responder, progress)
-
-
-def _findings(model: Model, contest: Contest, heldout: HeldOutDeviances) -> tuple[Finding, ...]:
-    every = list(range(len(model.members)))
-    full = heldout.of(every)
-    found = []
-    for k, member in enumerate(model.members):
-        names = candidates_of(k, model, contest)
-        without = heldout.of([j for j in every if j != k])
-        found.append(_finding(member, names, (without, full), contest.evidence))
-    return tuple(sorted(found, key=lambda f: -f.significance_sigma))
-
-
-def _finding(
-    member: Member,
-    names: Sequence[Candidate],
-    heldout: tuple[HeldOut, HeldOut],
-    evidence: Evidence,
-) -> Finding:
-    before, after = heldout
-    effect = member.effect
-    own = contribution(member)
-    gain = max((c.gain for c in names if c.effect == effect.name), default=0.0)
-    missed = max(before.deviance - before.dof, 1e-9)
-    return Finding(
-        effect,
-        tuple(
-            NamedCandidate(c.effect, c.probability, after.deviance + max(gain - c.gain, 0.0))
-            for c in names
-        ),
-        float(np.sqrt(max(gain, 0.0))),
-        locate(own, effect.shows_in, effect.depends_on, evidence),
-        estimates_of(member),
-        before.deviance,
-        after.deviance,
-        float(np.clip((before.deviance - after.deviance) / missed, 0.0, 1.0)),
-    )
-
-
-def estimates_of(member: Member) -> dict[str, Estimate]:
-    """Return the fitted parameters of a member, with their standard uncertainties."""
-    told = parameters_of(type(member.effect))
-    found = {}
-    for name, unit, _ in member.signature.shape.varied:
-        value = getattr(member.effect, name)
-        if isinstance(unit, tuple):
-            largest = int(np.argmax(np.abs(unit)))
-            std = abs(unit[largest]) * member.std[0]
-            found[name] = Estimate(float(value[largest]), std, told[name].unit)
-        else:
-            found[name] = Estimate(float(value), abs(unit) * member.std[0], told[name].unit)
-    for name, std in zip(member.inner, member.std[1:], strict=True):
-        value = float(getattr(member.effect, name))
-        found[name] = Estimate(value, value * std, told[name].unit)
-    return found
 
 
 def _figures(model: Model, evidence: Evidence) -> Figures:

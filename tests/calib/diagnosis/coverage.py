@@ -8,7 +8,8 @@ import sys
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.diagnose import estimates_of, responder_of, scales_of
+from calib.diagnosis.answer.found import estimates_of
+from calib.diagnosis.diagnose import responder_of, scales_of
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.search import find
