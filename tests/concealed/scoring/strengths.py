@@ -50,7 +50,7 @@ def _mean_rate(effect: Told, answer: Told) -> float:
 COMPARED: dict[str, Comparison] = {
     "interpixel_capacitance": Comparison("column_coupling", ("nearest",), _strength),
     "lag": Comparison("share", ("each_electron", "incomplete_reset"), _strength),
-    "brighter_fatter": Comparison("column_per_e", ("plain",), _strength),
+    "brighter_fatter": Comparison("row_per_e", ("plain",), _strength),
     "nonlinearity": Comparison("beta_per_dn", ("quadratic",), _per_dn),
     "reciprocity_failure": Comparison("exponent", ("power",), _signed),
     "exposure_offset": Comparison("offset_us", ("plain",), _signed),
