@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.baseline.baseline import CLEAR_SIGMA, Baseline
 from calib.diagnosis.baseline.code_counts import MOST_PIXELS
 from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.evidence.growing import Growing
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
@@ -39,7 +40,23 @@ def with_planned(evidence: Evidence, blocks: Sequence[Block]) -> Evidence:
     ]
     sums = (*evidence.sums, *new)
     peaks = tuple(_not_looked_for(peak, len(blocks)) for peak in evidence.peaks)
-    return replace(evidence, sums=sums, table=table, baseline=base, whole=None, known_peaks=peaks)
+    growing = None if evidence.growing is None else _as_expected(evidence.growing, base, first)
+    return replace(
+        evidence,
+        sums=sums,
+        table=table,
+        baseline=base,
+        whole=None,
+        known_peaks=peaks,
+        growing=growing,
+    )
+
+
+def _as_expected(growing: Growing, base: Baseline, first: int) -> Growing:
+    """Return pixels that grow, with the baseline's noise in the blocks from `first` on."""
+    planned = base.variance_dn2[first:].reshape(len(base.variance_dn2) - first, -1)
+    variance = np.concatenate([growing.variance_dn2, planned[:, growing.pixels]])
+    return replace(growing, variance_dn2=variance)
 
 
 def _not_looked_for(peak: Peak, n_blocks: int) -> Peak:
@@ -55,7 +72,8 @@ def _with_blocks(table: ConditionsTable, blocks: Sequence[Block]) -> ConditionsT
     lines = [float(block.lines or 1) for block in blocks]
     last = table.sessions[-1:] * len(blocks)
     radiance = [_radiance(table, block) for block in blocks]
-    first, seen = len(table.blocks), bar(table.camera.columns)
+    first, columns = len(table.blocks), table.camera.columns
+    seen = np.broadcast_to(bar(columns), (table.camera.rows or 1, columns)).ravel()
     scenes = {first + k: seen * radiance[k] for k, b in enumerate(blocks) if b.kind == "scene"}
     names = {block.scene for block in blocks if block.scene is not None}
     return replace(

@@ -29,8 +29,9 @@ def reduced(evidence: Evidence, columns: int = MOST_COLUMNS) -> tuple[Evidence, 
     smaller = camera.model_copy(update={"columns": width, "rows": rows})
     sensor, window = Sensor(smaller), (slice(None, rows), slice(first, first + width))
     table = evidence.table
-    scenes = {b: image[window[1]] for b, image in table.scenes.items()}
-    small = replace(table, camera=smaller, scenes=scenes if rows is None else table.scenes)
+    shape = (evidence.sensor.n_rows, evidence.sensor.n_columns)
+    scenes = {b: image.reshape(shape)[window].ravel() for b, image in table.scenes.items()}
+    small = replace(table, camera=smaller, scenes=scenes)
     base = _cut(evidence.baseline, window)
     sums = tuple(expected_sums(b, base, small, sensor) for b in range(len(table.blocks)))
     found = Evidence(sums, small, sensor, base, Counts.of(sensor), evidence.common)

@@ -19,6 +19,7 @@ from calib.diagnosis.deciding.separation import distance
 from calib.diagnosis.deciding.testable import newly_testable
 from calib.diagnosis.diagnose import Examination, examine, responder_of
 from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.evidence.growing import Growing
 from calib.diagnosis.naming.signatures import change_of
 from calib.diagnosis.statistics.tones import Peak
 from calib.forward.departure import Departure
@@ -174,3 +175,15 @@ def test_a_tone_of_the_recording_says_nothing_of_planned_blocks() -> None:
     whitened = by_block.point(both.observed()).rest[-both.n_blocks :]
     assert (whitened[:n] > 0.0).all()
     assert (whitened[n:] == 0.0).all()
+
+
+def test_a_scene_may_be_planned_for_frames_beside_pixels_that_grow() -> None:
+    model = plain_model(COLUMNS, rows=12)
+    evidence = recorded(model, blocks_of([*AGCAM, (1000.0, 0.0)]), default_rng())
+    growing = Growing(np.array([5]), np.array([0.01]), np.full((evidence.n_blocks, 1), 9.0))
+    scene = Block(block="s", kind="scene", exposure_us=800.0, level=1.0, lines=20, started_s=99.0)
+    both = with_planned(replace(evidence, growing=growing), [scene])
+    small, factor = reduced(with_planned(evidence, [scene]), columns=24)
+    assert both.point(both.observed()).means.shape == (both.n_blocks, 12 * COLUMNS)
+    assert small.point(small.observed()).means.shape == (both.n_blocks, 8 * 24)
+    assert factor == pytest.approx(np.sqrt(12 * COLUMNS / (8 * 24)))
