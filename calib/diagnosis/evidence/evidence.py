@@ -206,7 +206,6 @@ class Evidence:
             self.code_counts.residual(),
             self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),
             self.misfit(means, observed=True),
-            np.zeros_like(squares),
             self.monitor.observed,
         )  # fmt: skip
 

@@ -28,7 +28,6 @@ def reproduced(one: Change, other: Change, evidence: Evidence, *, exact: bool) -
         means, _shrunk(one.onset, other.onset), pooled, half.rare,
         one.pixel_variance, np.stack([one.codes[0], other.codes[-1]]), half.tones,
         one.pixel_misfit,
-        one.pixel_growth,
     )  # fmt: skip
 
 

@@ -181,9 +181,7 @@ def change_of(
         if others == effects and not coded:
             # Events of single lines are no property of a pixel, however few lines are drawn.
             nothing = np.zeros_like(first.pixel_misfit)
-            first = replace(
-                first, pixel_misfit=nothing, pixel_growth=nothing, pixel_variance=nothing
-            )
+            first = replace(first, pixel_misfit=nothing, pixel_variance=nothing)
     return replace(first, monitor=light_change(effects, evidence.table))
 
 

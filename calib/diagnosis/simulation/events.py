@@ -69,7 +69,7 @@ def _unit(dense: Departure, density: Density, responder: Responder) -> Change:
         known[dense] = Change(
             _means(dense, density, responder), np.zeros_like(half.onset), pooled, half.rare,
             nothing, np.stack([draws[0].codes[0], draws[1].codes[-1]]), np.zeros_like(half.tones),
-            nothing, nothing,
+            nothing,
         )  # fmt: skip
     return known[dense]
 

@@ -104,7 +104,6 @@ class Responder:
             _codes(_mean([d.codes for d in drawn]) - plain.codes, (weight + 1) * fine, coded=coded),
             tone_change(self.chain, effects, self.peaks),
             np.zeros(len(ratio)),
-            np.zeros(len(ratio)),
         )
 
     def _of_codes(

@@ -24,7 +24,6 @@ class Change:
         rare: Of what is counted, by trial, (n_blocks, n_rare).
         pixel_variance: Of each pixel's variance over the expected one, all blocks, (n_pixels,).
         pixel_misfit: By how many standard deviations each pixel's means miss, (n_pixels,).
-        pixel_growth: Likewise, how they grow with the exposure beyond the baseline.
         tones: Of squared amplitudes at the peaks of the spectrum, DN^2, (n_blocks, n_tones).
         monitor: Of the logarithm of what the monitor reads in each block, (n_blocks,).
         codes: Of the share of samples by code, (1 or 2 draws, n_codes); where only effects before
@@ -39,7 +38,6 @@ class Change:
     codes: Floats
     tones: Floats
     pixel_misfit: Floats
-    pixel_growth: Floats
     monitor: Floats = field(default_factory=unread)
 
     def __sub__(self, other: "Change") -> "Change":
@@ -58,5 +56,5 @@ class Change:
         """Return its arrays."""
         return (
             self.means, self.onset, self.pooled, self.rare, self.pixel_variance, self.codes,
-            self.tones, self.pixel_misfit, self.pixel_growth, self.monitor,
+            self.tones, self.pixel_misfit, self.monitor,
         )  # fmt: skip
