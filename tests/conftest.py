@@ -12,6 +12,10 @@ from typing import Any
 
 import pytest
 
+from tests import draws
+
+draws.settle()
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
@@ -23,9 +27,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
-def pytest_configure() -> None:
+def pytest_configure(config: pytest.Config) -> None:
     """A shell's background job ignores Ctrl-C, and so would all that tests start and interrupt."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    if config.getoption("hypothesis_seed", None) is None:
+        config.option.hypothesis_seed = int.from_bytes(os.environ[draws.VARIABLE].encode())
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    terminalreporter.write_line(f"drawn with {draws.VARIABLE}={os.environ[draws.VARIABLE]}")
 
 
 @pytest.hookimpl(optionalhook=True)
