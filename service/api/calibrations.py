@@ -15,6 +15,7 @@ from calib.recording.tone import Tone
 from service.api.answers.job import JobAnswer
 from service.api.dependencies import RunnerDep, SettingsDep, StoreDep
 from service.api.openapi import problems
+from service.store.actor import Actor
 from service.store.store import Store
 
 router = APIRouter(prefix="/v1/calibrations", tags=["calibrations"])
@@ -87,5 +88,5 @@ def _keep(store: Store, made: Path, result: dict[str, Any], by: str) -> dict[str
     """Add the set that the job made to the store."""
     from calib.radiometric.coefficients.coefficient_set import CoefficientSet  # noqa: PLC0415  (slow to import)
 
-    store.sets.add(CoefficientSet.load(made), by=by, reason="calibrated")
+    store.sets.add(CoefficientSet.load(made), by=Actor(by), reason="calibrated")
     return result

@@ -11,6 +11,7 @@ from service.api.answers.coefficient_set import SetAnswer, SetPage
 from service.api.dependencies import StoreDep
 from service.api.etags import matches, quoted
 from service.api.openapi import problems
+from service.store.actor import Actor
 from service.store.records import SetRecord
 from service.store.state import SetState
 
@@ -120,7 +121,7 @@ def get_set_file(set_id: str, store: StoreDep, if_none_match: IfNoneMatch = None
 @router.post("/{set_id}/verify", responses=problems(404, 409))
 def verify_set(set_id: str, said: Verification, response: Response, store: StoreDep) -> SetAnswer:
     """Say that a draft was looked at; its file is checked against its id."""
-    return _answer(store.sets.verify(set_id, by=said.by, reason=said.reason), response)
+    return _answer(store.sets.verify(set_id, by=Actor(said.by), reason=said.reason), response)
 
 
 @router.post("/{set_id}/certify", responses=problems(404, 409))
@@ -130,7 +131,7 @@ def certify_set(set_id: str, said: Certification, response: Response, store: Sto
         set_id,
         valid_from=said.valid_from,
         valid_until=said.valid_until,
-        by=said.by,
+        by=Actor(said.by),
         reason=said.reason,
         supersedes=said.supersedes,
     )
@@ -140,7 +141,7 @@ def certify_set(set_id: str, said: Certification, response: Response, store: Sto
 @router.post("/{set_id}/revoke", responses=problems(404, 409))
 def revoke_set(set_id: str, said: Revocation, response: Response, store: StoreDep) -> SetAnswer:
     """Say that a set was wrong: it holds for no time any more."""
-    return _answer(store.sets.revoke(set_id, by=said.by, reason=said.reason), response)
+    return _answer(store.sets.revoke(set_id, by=Actor(said.by), reason=said.reason), response)
 
 
 def _answer(record: SetRecord, response: Response) -> SetAnswer:

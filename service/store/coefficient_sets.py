@@ -14,6 +14,7 @@ from sqlalchemy import Engine, select
 from sqlalchemy.orm import Session
 
 from calib.errors import InputError
+from service.store.actor import Actor
 from service.store.engine import reading_session, writing_session
 from service.store.errors import NotInStoreError
 from service.store.in_force import check_range, holding, same_setting, standing_in_the_way
@@ -40,7 +41,7 @@ class CoefficientSets:
         self._engine = engine
         self.files = files
 
-    def add(self, coefficients: "CoefficientSet", *, by: str, reason: str = "added") -> SetRecord:
+    def add(self, coefficients: "CoefficientSet", *, by: Actor, reason: str = "added") -> SetRecord:
         """Keep a set as draft; a set that is there already stays as it is."""
         self.files.put(coefficients)  # first: a record never names a file that is not there
         with writing_session(self._engine) as session:
@@ -48,7 +49,7 @@ class CoefficientSets:
             if found is None:
                 found = _new_row(coefficients, by)
                 session.add(found)
-                enter(found, SetState.DRAFT, by, reason)
+                enter(session, found, SetState.DRAFT, by, reason)
                 session.flush()
             return set_record(found)
 
@@ -125,7 +126,7 @@ class CoefficientSets:
         )
         raise NotInStoreError(msg)
 
-    def verify(self, set_id: str, *, by: str, reason: str = "") -> SetRecord:
+    def verify(self, set_id: str, *, by: Actor, reason: str = "") -> SetRecord:
         """Say that somebody looked at a draft; its file is read and its content compared."""
         full_id = self.get(set_id).id
         self.files.load(full_id)
@@ -137,7 +138,7 @@ class CoefficientSets:
         *,
         valid_from: datetime,
         valid_until: datetime | None,
-        by: str,
+        by: Actor,
         reason: str,
         supersedes: Iterable[str] = (),
     ) -> SetRecord:
@@ -156,28 +157,29 @@ class CoefficientSets:
         self.files.load(full_id)
         with writing_session(self._engine) as session:
             row = _find(session, full_id)
-            enter(row, SetState.CERTIFIED, by, reason)
-            supersede(standing_in_the_way(session, row, wanted), named, row, wanted, by)
+            enter(session, row, SetState.CERTIFIED, by, reason)
+            standing = standing_in_the_way(session, row, wanted)
+            supersede(session, row, wanted, by, standing=standing, named=named)
             row.certification = CertificationRow(
                 valid_from=wanted.valid_from, valid_until=wanted.valid_until
             )
             session.flush()
             return set_record(row)
 
-    def revoke(self, set_id: str, *, by: str, reason: str) -> SetRecord:
+    def revoke(self, set_id: str, *, by: Actor, reason: str) -> SetRecord:
         """Say that a set was wrong: it holds for no time any more."""
         check_reason(reason)
         return self._change(self.get(set_id).id, SetState.REVOKED, by, reason)
 
-    def _change(self, set_id: str, after: SetState, by: str, reason: str) -> SetRecord:
+    def _change(self, set_id: str, after: SetState, by: Actor, reason: str) -> SetRecord:
         with writing_session(self._engine) as session:
             row = _find(session, set_id)
-            enter(row, after, by, reason)
+            enter(session, row, after, by, reason)
             session.flush()
             return set_record(row)
 
 
-def _new_row(coefficients: "CoefficientSet", by: str) -> SetRow:
+def _new_row(coefficients: "CoefficientSet", by: Actor) -> SetRow:
     camera = coefficients.camera
     return SetRow(
         id=coefficients.id,
@@ -190,7 +192,7 @@ def _new_row(coefficients: "CoefficientSet", by: str) -> SetRow:
         radiance_unit=coefficients.radiance_unit,
         recording_digest=coefficients.provenance.recording_digest,
         added_at=datetime.now(UTC),
-        added_by=by,
+        added_by=by.name,
         summary=plain(coefficients.summary()),
         certification=None,
     )

@@ -2,26 +2,46 @@
 
 from datetime import UTC, datetime
 
+from sqlalchemy.orm import Session
+
 from calib.errors import InputError
+from service.store.actor import Actor
+from service.store.audit import append
 from service.store.errors import OverlapError
 from service.store.records import Certification
 from service.store.state import SetState, check_transition
 from service.store.tables import SetRow, TransitionRow
 
 
-def enter(row: SetRow, after: SetState, by: str, reason: str) -> None:
+def enter(session: Session, row: SetRow, after: SetState, by: Actor, reason: str) -> None:
     """Move a set to `after` and write down who did so, when and why."""
     before = SetState(row.state) if row.state else None
     if before is not None:
         check_transition(row.id, before, after)
     row.state = after.value
     row.transitions.append(
-        TransitionRow(before=before, after=after.value, at=datetime.now(UTC), by=by, reason=reason)
+        TransitionRow(
+            before=before, after=after.value, at=datetime.now(UTC), by=by.name, reason=reason
+        )
+    )
+    append(
+        session,
+        by,
+        f"coefficient-set.{after.value}",
+        row.id,
+        before={"state": before},
+        after={"state": after, "reason": reason},
     )
 
 
 def supersede(
-    standing: list[SetRow], named: set[str], row: SetRow, wanted: Certification, by: str
+    session: Session,
+    row: SetRow,
+    wanted: Certification,
+    by: Actor,
+    *,
+    standing: list[SetRow],
+    named: set[str],
 ) -> None:
     """Let the sets that stand in the way end where the new one begins, if all were named."""
     unnamed = [other.id for other in standing if other.id not in named]
@@ -35,7 +55,7 @@ def supersede(
         if other.certification is None:
             continue
         if SetState(other.state) is SetState.CERTIFIED:
-            enter(other, SetState.SUPERSEDED, by, f"superseded by {row.id}")
+            enter(session, other, SetState.SUPERSEDED, by, f"superseded by {row.id}")
         other.certification.superseded_from = wanted.valid_from
         other.certification.superseded_by = row.id
 

@@ -1,13 +1,17 @@
 """Bringing the database to the schema that this version knows."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from sqlalchemy import Connection, Engine, inspect, text
 
 from service.store.engine import store_errors, writing
 from service.store.errors import StoreError
 
-HEAD = "0002"
+if TYPE_CHECKING:
+    from alembic.config import Config
+
+HEAD = "0003"
 """The newest revision in `migrations/versions`."""
 
 MIGRATIONS = Path(__file__).parent / "migrations"
@@ -36,14 +40,20 @@ def _revision(connection: Connection) -> str | None:
 
 def _upgrade(connection: Connection) -> None:
     from alembic import command  # noqa: PLC0415  (0.2 s that a current store does not need)
-    from alembic.config import Config  # noqa: PLC0415
     from alembic.util import CommandError  # noqa: PLC0415
+
+    try:
+        command.upgrade(alembic_config(connection), "head")
+    except CommandError as error:
+        msg = f"the store was written by a newer darkflat ({error}); upgrade this one"
+        raise StoreError(msg, code="store-too-new") from error
+
+
+def alembic_config(connection: Connection) -> "Config":
+    """Return what Alembic's commands need to work on this connection."""
+    from alembic.config import Config  # noqa: PLC0415
 
     config = Config()
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
     config.attributes["connection"] = connection
-    try:
-        command.upgrade(config, "head")
-    except CommandError as error:
-        msg = f"the store was written by a newer darkflat ({error}); upgrade this one"
-        raise StoreError(msg, code="store-too-new") from error
+    return config

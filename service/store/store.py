@@ -7,11 +7,14 @@ from typing import Self
 from sqlalchemy import text
 
 from service.settings import Settings
+from service.store.audit import Audit
 from service.store.coefficient_sets import CoefficientSets
 from service.store.engine import open_engine, writing_session
 from service.store.jobs import Jobs
+from service.store.keys import Keys
 from service.store.migrate import migrate
 from service.store.recordings import Recordings
+from service.store.runs import Runs
 from service.store.set_files import SetFiles
 
 
@@ -22,6 +25,9 @@ class Store:
         sets: Coefficient sets and their lives.
         recordings: By digest.
         jobs: Long work.
+        runs: What the bench was asked to measure.
+        keys: Who may ask for what.
+        audit: What was done.
     """
 
     def __init__(self, url: str, sets_folder: Path) -> None:
@@ -39,6 +45,9 @@ class Store:
         self.sets = CoefficientSets(self._engine, SetFiles(sets_folder))
         self.recordings = Recordings(self._engine)
         self.jobs = Jobs(self._engine)
+        self.runs = Runs(self._engine)
+        self.keys = Keys(self._engine)
+        self.audit = Audit(self._engine)
 
     @classmethod
     def open(cls, settings: Settings) -> Self:

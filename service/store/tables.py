@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Any, ClassVar
 
-from sqlalchemy import JSON, CheckConstraint, ForeignKey, MetaData, String
+from sqlalchemy import JSON, CheckConstraint, ForeignKey, MetaData, String, UniqueConstraint
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 
 from service.store.utc import UtcDateTime
@@ -15,6 +15,10 @@ _NAMES = {
     "fk": "fk_%(table_name)s_%(column_0_name)s",
     "pk": "pk_%(table_name)s",
 }
+_RUN_STATES = (
+    "'queued', 'running', 'pausing', 'paused', 'aborting', 'succeeded', 'failed', 'cancelled',"
+    " 'interrupted'"
+)
 _STATES = "'draft', 'verified', 'certified', 'superseded', 'revoked'"
 
 
@@ -123,3 +127,75 @@ class JobRow(Base):
     submitted_at: Mapped[datetime]
     started_at: Mapped[datetime | None]
     finished_at: Mapped[datetime | None]
+
+
+class RunRow(Base):
+    """A plan that the bench was asked to measure, and how far it came."""
+
+    __tablename__ = "runs"
+    __table_args__ = (CheckConstraint(f"state IN ({_RUN_STATES})", name="state"),)
+
+    sequence: Mapped[int] = mapped_column(primary_key=True)
+    id: Mapped[str] = mapped_column(String(32), unique=True)
+    state: Mapped[str] = mapped_column(String(16), index=True)
+    plan: Mapped[dict[str, Any]]
+    request_digest: Mapped[str] = mapped_column(String(64))
+    """Of the plan; the same idempotency key with another one is refused."""
+    idempotency_key: Mapped[str | None] = mapped_column(unique=True)
+    attempts: Mapped[int]
+    blocks_done: Mapped[int]
+    blocks_total: Mapped[int]
+    recording_digest: Mapped[str | None] = mapped_column(String(64))
+    result: Mapped[dict[str, Any] | None]
+    error_code: Mapped[str | None]
+    error_message: Mapped[str | None]
+    submitted_at: Mapped[datetime]
+    submitted_by: Mapped[str]
+    started_at: Mapped[datetime | None]
+    finished_at: Mapped[datetime | None]
+
+
+class RunEventRow(Base):
+    """What a run said; numbered from 1 within its run, only ever added to."""
+
+    __tablename__ = "run_events"
+    __table_args__ = (UniqueConstraint("run_id", "number"),)
+
+    sequence: Mapped[int] = mapped_column(primary_key=True)
+    run_id: Mapped[str] = mapped_column(ForeignKey("runs.id"), index=True)
+    number: Mapped[int]
+    at: Mapped[datetime]
+    kind: Mapped[str] = mapped_column(String(16))
+    content: Mapped[dict[str, Any]]
+
+
+class KeyRow(Base):
+    """Who may ask for what; the secret itself is nowhere."""
+
+    __tablename__ = "keys"
+
+    sequence: Mapped[int] = mapped_column(primary_key=True)
+    id: Mapped[str] = mapped_column(String(16), unique=True)
+    name: Mapped[str]
+    scope: Mapped[str] = mapped_column(String(16))
+    secret_sha256: Mapped[str] = mapped_column(String(64))
+    created_at: Mapped[datetime]
+    expires_at: Mapped[datetime | None]
+    revoked_at: Mapped[datetime | None]
+
+
+class AuditRow(Base):
+    """One link of the chain of what was done; `number` has no gaps, `digest` covers all before."""
+
+    __tablename__ = "audit"
+
+    number: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    at: Mapped[datetime]
+    who: Mapped[str]
+    key_id: Mapped[str] = mapped_column(String(16))
+    action: Mapped[str] = mapped_column(String(32))
+    subject: Mapped[str]
+    before: Mapped[dict[str, Any] | None]
+    after: Mapped[dict[str, Any] | None]
+    previous: Mapped[str] = mapped_column(String(64))
+    digest: Mapped[str] = mapped_column(String(64))

@@ -170,11 +170,12 @@ def _keep(recording: "Recording", calibration: "Calibration") -> None:
     """Make the recording known to the store, and the set that comes from it a draft."""
     from service.cli.known_recording import make_known  # noqa: PLC0415
     from service.cli.opened_store import opened_store, who  # noqa: PLC0415
+    from service.store.actor import Actor  # noqa: PLC0415
 
     digest = calibration.coefficients.provenance.recording_digest
     with opened_store() as store:
         make_known(store, recording, by=who(), digest=digest)
-        store.sets.add(calibration.coefficients, by=who())
+        store.sets.add(calibration.coefficients, by=Actor(who()))
 
 
 def show_calibration(console: "Console", told: dict[str, Any]) -> None:

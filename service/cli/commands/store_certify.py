@@ -26,13 +26,14 @@ def certify(
     with answering(json) as answer:
         from service.cli.opened_store import opened_store, who  # noqa: PLC0415
         from service.cli.set_record import show_record, told, utc  # noqa: PLC0415
+        from service.store.actor import Actor  # noqa: PLC0415
 
         with opened_store() as store:
             record = store.sets.certify(
                 set_id,
                 valid_from=utc(valid_from) or valid_from,
                 valid_until=utc(valid_until),
-                by=by or who(),
+                by=Actor(by or who()),
                 reason=reason,
                 supersedes=supersedes or (),
             )

@@ -17,7 +17,8 @@ def verify(
     with answering(json) as answer:
         from service.cli.opened_store import opened_store, who  # noqa: PLC0415
         from service.cli.set_record import show_record, told  # noqa: PLC0415
+        from service.store.actor import Actor  # noqa: PLC0415
 
         with opened_store() as store:
-            record = store.sets.verify(set_id, by=by or who(), reason=reason)
+            record = store.sets.verify(set_id, by=Actor(by or who()), reason=reason)
         answer.give(told(record), show_record(record))

@@ -7,6 +7,7 @@ import h5py
 import pytest
 from fastapi.testclient import TestClient
 
+from service.store.actor import Actor
 from service.store.store import Store
 from tests.service.store.a_store import a_set, certified, day, verified
 
@@ -16,7 +17,7 @@ LOOKUP = {"serial": "B0001", "band": "NIR", "gain": "0", "bit_depth": "12"}
 
 
 def test_a_set_is_verified_certified_found_and_revoked(client: TestClient, store: Store) -> None:
-    set_id = store.sets.add(a_set(), by="ada").id
+    set_id = store.sets.add(a_set(), by=Actor("ada")).id
     place = f"{PLACE}/{set_id}"
     assert client.post(f"{place}/verify", json={"by": "ada"}).json()["state"] == "verified"
     certified_answer = client.post(f"{place}/certify", json=CERTIFY)
@@ -31,7 +32,7 @@ def test_a_set_is_verified_certified_found_and_revoked(client: TestClient, store
 
 
 def test_an_illegal_step_is_a_conflict(client: TestClient, store: Store) -> None:
-    place = f"{PLACE}/{store.sets.add(a_set(), by='ada').id}"
+    place = f"{PLACE}/{store.sets.add(a_set(), by=Actor('ada')).id}"
     for step, body in (("certify", CERTIFY), ("revoke", {"by": "a", "reason": "b"})):
         answer = client.post(f"{place}/{step}", json=body)
         assert (answer.status_code, answer.json()["code"]) == (409, "illegal-transition")
@@ -51,7 +52,7 @@ def test_an_overlap_names_what_stands_in_the_way(client: TestClient, store: Stor
 
 
 def test_the_tag_of_a_record_changes_with_its_state_alone(client: TestClient, store: Store) -> None:
-    place = f"{PLACE}/{store.sets.add(a_set(), by='ada').id}"
+    place = f"{PLACE}/{store.sets.add(a_set(), by=Actor('ada')).id}"
     tag = client.get(place).headers["ETag"]
     unchanged = client.get(place, headers={"If-None-Match": tag})
     assert (unchanged.status_code, unchanged.content) == (304, b"")
@@ -62,7 +63,7 @@ def test_the_tag_of_a_record_changes_with_its_state_alone(client: TestClient, st
 
 
 def test_the_file_is_the_set_and_its_tag_its_id(client: TestClient, store: Store) -> None:
-    set_id = store.sets.add(a_set(), by="ada").id
+    set_id = store.sets.add(a_set(), by=Actor("ada")).id
     answer = client.get(f"{PLACE}/{set_id}/file")
     kept = store.sets.files.path(set_id).read_bytes()
     assert hashlib.sha256(answer.content).digest() == hashlib.sha256(kept).digest()
@@ -72,7 +73,7 @@ def test_the_file_is_the_set_and_its_tag_its_id(client: TestClient, store: Store
 
 
 def test_an_altered_file_is_not_handed_out(client: TestClient, store: Store) -> None:
-    set_id = store.sets.add(a_set(), by="ada").id
+    set_id = store.sets.add(a_set(), by=Actor("ada")).id
     with h5py.File(store.sets.files.path(set_id), "a") as file:
         file["dark_offset_dn"][0] += 1.0
     answer = client.get(f"{PLACE}/{set_id}/file")
@@ -80,7 +81,7 @@ def test_an_altered_file_is_not_handed_out(client: TestClient, store: Store) -> 
 
 
 def test_lists_come_in_pages_and_are_filtered(client: TestClient, store: Store) -> None:
-    ids = [store.sets.add(a_set(30.0 + i), by="ada").id for i in range(3)]
+    ids = [store.sets.add(a_set(30.0 + i), by=Actor("ada")).id for i in range(3)]
     first = client.get(PLACE, params={"limit": 2}).json()
     second = client.get(PLACE, params={"limit": 2, "before": first["next_before"]}).json()
     assert [each["id"] for each in first["items"] + second["items"]] == ids[::-1]

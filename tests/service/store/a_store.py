@@ -7,6 +7,7 @@ import numpy as np
 
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.header import CameraHeader
+from service.store.actor import Actor
 from service.store.records import SetRecord
 from service.store.store import Store
 from tests.calib.radiometric.example_set import example_set
@@ -29,8 +30,8 @@ def day(month: int, of_month: int = 1) -> datetime:
 
 def verified(store: Store, coefficients: CoefficientSet) -> SetRecord:
     """Add a set and verify it."""
-    added = store.sets.add(coefficients, by="ada")
-    return store.sets.verify(added.id, by="ada", reason="curves look right")
+    added = store.sets.add(coefficients, by=Actor("ada"))
+    return store.sets.verify(added.id, by=Actor("ada"), reason="curves look right")
 
 
 def certified(
@@ -45,7 +46,7 @@ def certified(
         verified(store, coefficients).id,
         valid_from=valid_from,
         valid_until=valid_until,
-        by="grace",
+        by=Actor("grace"),
         reason="annual calibration",
         **more,
     )
@@ -55,10 +56,10 @@ def take_step(store: Store, set_id: str, step: str) -> SetRecord:
     """Verify, certify or revoke a set."""
     match step:
         case "verify":
-            return store.sets.verify(set_id, by="ada")
+            return store.sets.verify(set_id, by=Actor("ada"))
         case "certify":
             return store.sets.certify(
-                set_id, valid_from=day(1), valid_until=None, by="ada", reason="due"
+                set_id, valid_from=day(1), valid_until=None, by=Actor("ada"), reason="due"
             )
         case _:
-            return store.sets.revoke(set_id, by="ada", reason="wrong")
+            return store.sets.revoke(set_id, by=Actor("ada"), reason="wrong")

@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
@@ -16,9 +17,10 @@ from sqlalchemy import text
 
 from calib.errors import DarkflatError
 from service.settings import Settings
-from service.store.engine import _prepare, open_engine, reading_session, writing_session
+from service.store.actor import Actor
+from service.store.engine import _prepare, open_engine, reading_session, writing, writing_session
 from service.store.errors import OverlapError, StoreError
-from service.store.migrate import HEAD, MIGRATIONS, migrate
+from service.store.migrate import HEAD, MIGRATIONS, alembic_config, migrate
 from service.store.state import SetState
 from service.store.store import Store
 from service.store.tables import Base, SetRow
@@ -36,7 +38,7 @@ def test_of_two_writers_that_certify_for_the_same_time_one_is_refused(tmp_path: 
         def certify(store: Store, set_id: str) -> bool:
             try:
                 store.sets.certify(
-                    set_id, valid_from=day(1), valid_until=None, by="ada", reason="due"
+                    set_id, valid_from=day(1), valid_until=None, by=Actor("ada"), reason="due"
                 )
             except OverlapError:
                 return False
@@ -52,7 +54,7 @@ def test_writers_wait_for_each_other(tmp_path: Path) -> None:
     with open_at(tmp_path) as one, open_at(tmp_path) as two:
 
         def add(i: int) -> str:
-            return (one if i % 2 else two).sets.add(a_set(float(i)), by="ada").id
+            return (one if i % 2 else two).sets.add(a_set(float(i)), by=Actor("ada")).id
 
         with ThreadPoolExecutor(4) as pool:
             added = set(pool.map(add, range(12)))
@@ -70,11 +72,12 @@ from datetime import datetime, UTC
 from pathlib import Path
 from sqlalchemy import event
 from sqlalchemy.orm import Session
+from service.store.actor import Actor
 from service.store.store import Store
 store = Store("sqlite:///{tmp_path}/store.sqlite3", Path("{tmp_path}/sets"))
 event.listen(Session, "before_commit", lambda session: os.kill(os.getpid(), signal.SIGKILL))
 store.sets.certify("{new.id}", valid_from=datetime(2026, 5, 1, tzinfo=UTC), valid_until=None,
-                   by="ada", reason="due", supersedes=["{old.id}"])
+                   by=Actor("ada"), reason="due", supersedes=["{old.id}"])
 """
     died = subprocess.run([sys.executable, "-c", script], cwd=Path.cwd(), check=False)
     assert died.returncode == -signal.SIGKILL
@@ -83,12 +86,17 @@ store.sets.certify("{new.id}", valid_from=datetime(2026, 5, 1, tzinfo=UTC), vali
         assert store.sets.get(old.id) == old
         assert store.sets.lookup(**SETTING, at=day(6)).id == old.id
         store.sets.certify(
-            new.id, valid_from=day(5), valid_until=None, by="a", reason="d", supersedes=[old.id]
+            new.id,
+            valid_from=day(5),
+            valid_until=None,
+            by=Actor("a"),
+            reason="d",
+            supersedes=[old.id],
         )
 
 
 def test_an_error_inside_a_transaction_undoes_all_of_it(store: Store) -> None:
-    record = store.sets.add(a_set(), by="ada")
+    record = store.sets.add(a_set(), by=Actor("ada"))
 
     def fail_half_way() -> None:
         with writing_session(store._engine) as session:
@@ -110,7 +118,7 @@ def test_a_file_that_cannot_be_written_leaves_no_record(
     with open_at(tmp_path) as store:
         monkeypatch.setattr(os, "fsync", full)
         with pytest.raises(DarkflatError):
-            store.sets.add(a_set(), by="ada")
+            store.sets.add(a_set(), by=Actor("ada"))
         monkeypatch.undo()
         assert store.sets.list().items == ()
         assert list((tmp_path / "sets").iterdir()) == []
@@ -126,9 +134,8 @@ def test_the_migrations_make_the_schema_that_the_tables_describe(store: Store) -
 def test_sets_of_an_older_store_keep_the_region_that_they_were_taken_for(tmp_path: Path) -> None:
     with open_at(tmp_path) as store:
         kept = certified(store, a_set(), day(1))
-        with writing_session(store._engine) as session:
-            session.execute(text("ALTER TABLE coefficient_sets DROP COLUMN region"))
-            session.execute(text("UPDATE alembic_version SET version_num = '0001'"))
+        with writing(store._engine).begin() as connection:
+            command.downgrade(alembic_config(connection), "0001")
     with open_at(tmp_path) as store:
         assert store.sets.get(kept.id) == kept
         assert kept.region == "0:32"
@@ -214,7 +221,7 @@ def test_a_writer_that_waits_too_long_says_so(
         other = sqlite3.connect(tmp_path / "store.sqlite3", isolation_level=None)
         other.execute("BEGIN IMMEDIATE")
         with pytest.raises(StoreError) as refused:
-            store.sets.add(a_set(), by="ada")
+            store.sets.add(a_set(), by=Actor("ada"))
         other.execute("ROLLBACK")
         other.close()
         assert refused.value.code == "store-busy"

@@ -3,6 +3,7 @@ from datetime import datetime, timedelta, timezone
 import pytest
 
 from calib.errors import InputError
+from service.store.actor import Actor
 from service.store.errors import NotInStoreError, OverlapError
 from service.store.state import SetState
 from service.store.store import Store
@@ -38,12 +39,17 @@ def test_an_overlapping_certification_is_refused_unless_it_names_the_other(
     standing = certified(store, a_set(30.0), day(2), day(6))
     later = verified(store, a_set(31.0))
     with pytest.raises(OverlapError) as refused:
-        store.sets.certify(later.id, valid_from=start, valid_until=end, by="g", reason="due")
+        store.sets.certify(later.id, valid_from=start, valid_until=end, by=Actor("g"), reason="due")
     assert refused.value.standing == (standing.id,)
     assert store.sets.get(later.id).state is SetState.VERIFIED
     assert store.sets.get(standing.id).state is SetState.CERTIFIED
     store.sets.certify(
-        later.id, valid_from=start, valid_until=end, by="g", reason="due", supersedes=[standing.id]
+        later.id,
+        valid_from=start,
+        valid_until=end,
+        by=Actor("g"),
+        reason="due",
+        supersedes=[standing.id],
     )
     assert store.sets.get(standing.id).state is SetState.SUPERSEDED
     assert store.sets.lookup(**SETTING, at=max(start, day(2))).id == later.id
@@ -96,14 +102,14 @@ def test_a_superseded_set_leaves_room_behind_its_end(store: Store) -> None:
 def test_a_superseded_set_that_is_found_wrong_can_be_revoked(store: Store) -> None:
     old = certified(store, a_set(30.0), day(1))
     certified(store, a_set(31.0), day(5), supersedes=[old.id])
-    store.sets.revoke(old.id, by="grace", reason="lamp 3 was off")
+    store.sets.revoke(old.id, by=Actor("grace"), reason="lamp 3 was off")
     with pytest.raises(NotInStoreError):
         store.sets.lookup(**SETTING, at=day(2))
 
 
 def test_a_revoked_set_holds_for_no_time_and_leaves_its_range_free(store: Store) -> None:
     wrong = certified(store, a_set(30.0), day(1))
-    store.sets.revoke(wrong.id, by="grace", reason="lamp 3 was off")
+    store.sets.revoke(wrong.id, by=Actor("grace"), reason="lamp 3 was off")
     with pytest.raises(NotInStoreError):
         store.sets.lookup(**SETTING, at=day(2))
     right = certified(store, a_set(31.0), day(1))
@@ -131,9 +137,9 @@ def test_a_time_without_zone_is_refused(store: Store) -> None:
 
 
 def test_pages_give_every_set_once_although_one_is_added_meanwhile(store: Store) -> None:
-    wanted = [store.sets.add(a_set(30.0 + i), by="ada").id for i in range(5)]
+    wanted = [store.sets.add(a_set(30.0 + i), by=Actor("ada")).id for i in range(5)]
     first = store.sets.list(limit=2)
-    store.sets.add(a_set(99.0), by="ada")
+    store.sets.add(a_set(99.0), by=Actor("ada"))
     second = store.sets.list(limit=2, before=first.next_before)
     third = store.sets.list(limit=2, before=second.next_before)
     found = [record.id for record in (*first.items, *second.items, *third.items)]
@@ -143,8 +149,8 @@ def test_pages_give_every_set_once_although_one_is_added_meanwhile(store: Store)
 
 def test_filters_narrow_the_list(store: Store) -> None:
     here = verified(store, a_set(30.0))
-    store.sets.add(a_set(31.0), by="ada")
-    store.sets.add(a_set(32.0, serial="B0002", band="red"), by="ada")
+    store.sets.add(a_set(31.0), by=Actor("ada"))
+    store.sets.add(a_set(32.0, serial="B0002", band="red"), by=Actor("ada"))
     assert [each.id for each in store.sets.list(state=SetState.VERIFIED).items] == [here.id]
     assert len(store.sets.list(serial="B0002").items) == 1
     assert len(store.sets.list(band="NIR").items) == 2
