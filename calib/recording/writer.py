@@ -105,6 +105,11 @@ class RecordingWriter:
         return tuple(block.block for block in self._whole)
 
     @property
+    def open_block(self) -> str | None:
+        """The name of the block that is being recorded; None between blocks."""
+        return None if self._open is None else self._open.block
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """Everything noted so far, gaps among it."""
         return tuple(self._notes)

@@ -19,6 +19,8 @@ class LampUse(PlanPart):
         default_factory=dict
     )
     """The mode of single levels, e.g. `{ 6 = "off_between_blocks" }`."""
+    while_paused: Literal["off", "warm"] = "off"
+    """What they do while a run is paused. `warm`: they burn on, and settle before it goes on."""
     ramp_s: float = Field(default=1.3, ge=0)
     """What lighting one lamp, or putting one out, takes; for the time estimate only."""
     read_back_s: float = Field(default=0.2, ge=0)

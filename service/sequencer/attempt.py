@@ -11,6 +11,7 @@ from service.plan.step import Step
 from service.sequencer.begin import camera_settings
 from service.sequencer.clock import Clock
 from service.sequencer.columns import BrightestColumn
+from service.sequencer.control import RunControl
 from service.sequencer.errors import RunCancelledError, SaturationAheadError
 from service.sequencer.events import OnColumns, OnProgress, Progress, RunResult, RunState
 from service.sequencer.exposure import Exposure, conditions
@@ -19,6 +20,7 @@ from service.sequencer.look_ahead import predicted_dn
 from service.sequencer.pace import Pace
 from service.sequencer.read_back import ReadBack
 from service.sequencer.skipped import skipped_blocks, skipped_note
+from service.sequencer.stand_by import StandBy
 from service.sequencer.surroundings import Surroundings
 
 
@@ -34,6 +36,7 @@ class Attempt:
         *,
         clock: Clock,
         cancelled: Cancelled,
+        control: RunControl,
         on_progress: OnProgress,
         on_columns: OnColumns | None,
     ) -> None:
@@ -42,18 +45,19 @@ class Attempt:
         self._steps = steps
         self._writer = writer
         self._clock = clock
-        self._cancelled = cancelled
+        self._stand_by = StandBy(bench, plan, control, cancelled, self._turn)
         self._on_progress = on_progress
+        self._state: RunState = "running"
         self._doing = "starting"
         done = {*writer.whole_blocks, *skipped_blocks(writer.notes)}
         self._pace = Pace(plan, steps, clock, [s.index for s in steps if s.block.block not in done])
         self._surroundings = Surroundings(
-            bench, plan, clock=clock, cancelled=cancelled, say=self._say
+            bench, plan, clock=clock, cancelled=self._stand_by.breaks, say=self._say
         )
         self._exposure = Exposure(
             bench.camera,
             writer,
-            cancelled=cancelled,
+            cancelled=self._stand_by.breaks,
             max_lost_percent=plan.interlocks.max_lost_percent,
             on_frame=self._report,
             on_columns=on_columns,
@@ -67,13 +71,12 @@ class Attempt:
         """Do every step that is left; raises what ends it early."""
         self._report()
         for index in tuple(self._pace.left):
-            if self._cancelled():
-                raise RunCancelledError
+            self._stand_by.until_going_on(self._surroundings)
             step = self._steps[index]
             if self._leaves_out(step):
                 self._pace.leave_out(index)
                 continue
-            self._take(step)
+            self._take_whole(step)
             self._pace.finish(index)
             self._report()
             self._surroundings.leave(step)
@@ -91,6 +94,24 @@ class Attempt:
             notes=self._writer.notes,
             seconds=self._pace.elapsed_s,
         )
+
+    def _take_whole(self, step: Step) -> None:
+        """Take a step, and again where a pause broke it off."""
+        while True:
+            try:
+                self._take(step)
+            except RunCancelledError:
+                if self._stand_by.ends:
+                    raise
+                if self._writer.open_block is not None:
+                    self._writer.discard_block("the run was paused; it is taken again")
+                self._stand_by.until_going_on(self._surroundings)
+            else:
+                return
+
+    def _turn(self, state: RunState, doing: str) -> None:
+        self._state = state
+        self._say(doing)
 
     def _take(self, step: Step) -> None:
         self._surroundings.set_for(step)
@@ -154,7 +175,7 @@ class Attempt:
 
     def _report(self) -> None:
         progress = Progress(
-            state="running",
+            state=self._state,
             blocks_done=self._pace.done,
             blocks_total=len(self._steps),
             frames=self._exposure.counts.frames,

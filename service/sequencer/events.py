@@ -7,7 +7,9 @@ from typing import Literal
 
 from calib.arrays import Columns
 
-RunState = Literal["running", "aborting", "succeeded", "failed", "cancelled", "interrupted"]
+RunState = Literal[
+    "running", "paused", "aborting", "succeeded", "failed", "cancelled", "interrupted"
+]
 """`interrupted`: found after a crash. The last four are final: the bench is dark and free."""
 
 FINAL: frozenset[RunState] = frozenset({"succeeded", "failed", "cancelled", "interrupted"})

@@ -21,6 +21,7 @@ from service.sequencer.begin import (
     resumed_recording,
 )
 from service.sequencer.clock import Clock, SystemClock
+from service.sequencer.control import RunControl
 from service.sequencer.disk import check_room
 from service.sequencer.errors import RunCancelledError
 from service.sequencer.events import OnColumns, OnProgress, RunResult, RunState
@@ -34,6 +35,7 @@ def run_plan(
     *,
     resume: bool = False,
     cancelled: Cancelled = never,
+    control: RunControl | None = None,
     on_progress: OnProgress | None = None,
     on_columns: OnColumns | None = None,
     clock: Clock | None = None,
@@ -46,6 +48,7 @@ def run_plan(
         out: The .h5 file; its commit record stands beside it.
         resume: Go on with `out` at the first block that is not whole.
         cancelled: Asked between frames, readings and waits; True ends the run.
+        control: Pauses it, lets it go on, ends it, from other threads.
         on_progress: Told where the run stands, in the thread of the run.
         on_columns: Told each frame's column means.
         clock: Another one for tests.
@@ -72,6 +75,7 @@ def run_plan(
                 writer,
                 clock=time,
                 cancelled=lambda: bench.is_ending or cancelled(),
+                control=control or RunControl(),
                 on_progress=teller.tell,
                 on_columns=on_columns,
             )

@@ -45,7 +45,7 @@ class Surroundings:
         self._show(step.block.scene)
         if step.capped and self._bench.caps_by_lamps_off:
             self._cap(capped=True)
-            self._forget()
+            self.forget()
         else:
             self._cap(step.capped)
             self._burn(step.burning)
@@ -62,7 +62,7 @@ class Surroundings:
         if step.off_afterwards:
             self._say("lamps off, as the plan says")
             self._bench.safe_off()
-            self._forget()
+            self.forget()
 
     def read_back(self, step: Step, *, before: bool) -> ReadBack:
         """Ask every device how it is; raise DeviceError, code `lamp-out`, when a lamp is not.
@@ -81,6 +81,11 @@ class Surroundings:
         )
         self._seen = now.light
         return now
+
+    def forget(self) -> None:
+        """Believe nothing of the lamps."""
+        self._burning, self._is_steady = None, False
+        self._when_set = self._seen = None
 
     def _show(self, scene: str | None) -> None:
         target = self._bench.target
@@ -103,16 +108,11 @@ class Surroundings:
         if self._burning == level:
             return
         self._say(f"setting level {level:g}")
-        self._forget()
+        self.forget()
         state = self._bench.light.set_level(level, self._cancelled)
         if self._cancelled():
             raise RunCancelledError
         self._burning, self._when_set, self._seen = level, state, state
-
-    def _forget(self) -> None:
-        """Believe nothing of the lamps."""
-        self._burning, self._is_steady = None, False
-        self._when_set = self._seen = None
 
     def _settle(self, level: float) -> None:
         self._say(f"waiting until level {level:g} is steady")
