@@ -1,0 +1,166 @@
+"""The process that owns the bench, seen from inside.
+
+The main thread runs plans, so that signals unwind it and the lamps go off; another one listens.
+Where the service dies, the pipe ends: the run is aborted and the bench closed, lamps off, with
+nobody left to ask for it.
+"""
+
+import queue
+import signal
+import threading
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from calib.arrays import Columns
+from calib.errors import DarkflatError
+from service.bench.bench import Bench
+from service.bench.opening import open_bench
+from service.bench.settings import BenchSettings
+from service.owner.looking import look_at
+from service.owner.messages import (
+    Abort,
+    Answer,
+    Command,
+    Ended,
+    Leave,
+    Look,
+    Measure,
+    Opened,
+    Pause,
+    Refused,
+    Report,
+    Resume,
+    SafeOff,
+    Said,
+    Seen,
+    Trouble,
+)
+from service.plan.model import Plan
+from service.sequencer.control import RunControl
+from service.sequencer.events import LiveColumns, Progress
+from service.sequencer.run import run_plan
+
+MOST_COLUMNS = 512
+"""Of a live profile: more than a page has dots."""
+_DARK_WITHIN_S = 2.0
+"""So long a run that is aborted may take to let go of the light before it is read back again."""
+
+
+def serve_bench(settings: BenchSettings, pipe: Connection) -> None:
+    """Open the bench and do what the pipe says until it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C at the server is the server's business
+    said = _Said(pipe)
+    try:
+        with open_bench(settings) as bench:
+            said.tell(Opened(look_at(bench)))
+            _Owner(bench, pipe, said).serve()
+    except DarkflatError as error:
+        said.tell(Refused(Trouble.of(error)))
+
+
+class _Said:
+    """The way back: one message at a time, and none once nobody listens."""
+
+    def __init__(self, pipe: Connection) -> None:
+        self._pipe = pipe
+        self._lock = threading.Lock()
+
+    def tell(self, report: Report) -> None:
+        with self._lock:
+            try:
+                self._pipe.send(report)
+            except OSError:
+                return
+
+
+class _Owner:
+    def __init__(self, bench: Bench, pipe: Connection, said: _Said) -> None:
+        self._bench = bench
+        self._pipe = pipe
+        self._said = said
+        self._work: queue.SimpleQueue[Measure | None] = queue.SimpleQueue()
+        self._control = RunControl()
+        self._is_idle = threading.Event()
+        self._is_idle.set()
+
+    def serve(self) -> None:
+        """Run plans, one after the other, until the pipe ends."""
+        threading.Thread(target=self._listen, name="darkflat-bench-pipe", daemon=True).start()
+        while (wanted := self._work.get()) is not None:
+            self._measure(wanted)
+
+    def _measure(self, wanted: Measure) -> None:
+        def columns(seen: LiveColumns) -> None:
+            self._said.tell(Seen(wanted.run_id, seen.block, _few(seen.mean_dn)))
+
+        def progress(stands: Progress) -> None:
+            self._said.tell(Said(wanted.run_id, stands))
+
+        try:
+            result = run_plan(
+                self._bench,
+                Plan.parse(wanted.plan),
+                wanted.out,
+                resume=wanted.out.exists(),
+                control=self._control,
+                on_progress=progress,
+                on_columns=columns,
+            )
+            ended = Ended(wanted.run_id, result=result)
+        except DarkflatError as error:
+            ended = Ended(wanted.run_id, trouble=Trouble.of(error))
+        except OSError as error:
+            ended = Ended(wanted.run_id, trouble=_of_system(error, wanted.out))
+        self._is_idle.set()
+        self._said.tell(ended)
+
+    def _listen(self) -> None:
+        while True:
+            try:
+                command: Command = self._pipe.recv()
+            except (EOFError, OSError):  # the service died
+                break
+            if isinstance(command, Leave):
+                break
+            self._do(command)
+        self._control.abort()
+        self._work.put(None)
+
+    def _do(self, command: Command) -> None:
+        match command:
+            case Measure():
+                self._control = RunControl()
+                self._is_idle.clear()
+                self._work.put(command)
+            case Pause():
+                self._control.pause()
+            case Resume():
+                self._control.resume()
+            case Abort():
+                self._control.abort()
+            case SafeOff(number):
+                self._control.abort()
+                self._aside(lambda: self._dark(number))
+            case Look(number):
+                self._aside(lambda: self._said.tell(Answer(number, look_at(self._bench))))
+
+    def _dark(self, number: int) -> None:
+        """Switch off now, and once more when the run has let go: what it had begun may light."""
+        look = look_at(self._bench, switching_off=True)
+        if not self._is_idle.is_set():
+            self._is_idle.wait(_DARK_WITHIN_S)
+            look = look_at(self._bench, switching_off=True)
+        self._said.tell(Answer(number, look))
+
+    def _aside(self, work: Callable[[], None]) -> None:
+        threading.Thread(target=work, name="darkflat-bench-aside", daemon=True).start()
+
+
+def _few(mean_dn: Columns) -> Columns:
+    few: Columns = mean_dn[:: -(-mean_dn.size // MOST_COLUMNS)]
+    return few
+
+
+def _of_system(error: OSError, out: Path) -> Trouble:
+    return Trouble("system-error", f"{out.name}: {error.strerror or error}; then resume the run")

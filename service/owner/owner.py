@@ -1,0 +1,199 @@
+"""The process that owns the bench, seen from the service."""
+
+import itertools
+import logging
+import multiprocessing
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from typing import Literal
+
+from calib.errors import DarkflatError
+from drivers.errors import DeviceError
+from service.bench.settings import BenchSettings
+from service.owner.bench_process import serve_bench
+from service.owner.messages import (
+    Abort,
+    Answer,
+    BenchLook,
+    Command,
+    Ended,
+    Leave,
+    Look,
+    Measure,
+    Opened,
+    Pause,
+    Refused,
+    Report,
+    Resume,
+    SafeOff,
+    Trouble,
+)
+
+_LOG = logging.getLogger(__name__)
+
+OwnerState = Literal["opening", "idle", "busy", "closed"]
+_ANSWER_S = 20.0
+_CLOSE_S = 30.0
+_DIED = Trouble(
+    "bench-process-died",
+    "the bench's process died; its lamps are switched off when it is opened again",
+)
+
+
+class BenchOwner:
+    """Starts the process, passes on what it says, and starts it anew where it died. Thread-safe.
+
+    Attributes:
+        trouble: Why the bench cannot be used; None where it can.
+        look: How it was when last asked; None before it was open.
+    """
+
+    def __init__(self, settings: BenchSettings, listener: Callable[[Report], None]) -> None:
+        """`listener` is told every report but answers, in a thread of the owner's."""
+        self.bench_id = settings.id
+        self.trouble: Trouble | None = None
+        self.look: BenchLook | None = None
+        self._settings = settings
+        self._listener = listener
+        self._lock = threading.Lock()
+        self._numbers = itertools.count(1)
+        self._answers: dict[int, BenchLook] = {}
+        self._changed = threading.Condition(self._lock)
+        self._state: OwnerState = "closed"
+        self._running = ""
+        self._pipe: Connection | None = None
+
+    @property
+    def state(self) -> OwnerState:
+        """What the process does."""
+        return self._state
+
+    def open(self) -> None:
+        """Start the process; the bench is dark once it is `idle`. Nothing where it runs already."""
+        with self._lock:
+            if self._state != "closed":
+                return
+            self._state, self.trouble = "opening", None
+            context = multiprocessing.get_context("spawn")  # forking a threaded server deadlocks
+            self._pipe, theirs = context.Pipe()
+            process = context.Process(
+                target=serve_bench, args=(self._settings, theirs), name="darkflat-bench"
+            )
+            process.start()
+            theirs.close()
+            self._process = process
+        threading.Thread(
+            target=self._listen, args=(self._pipe,), name="darkflat-bench-reports", daemon=True
+        ).start()
+
+    def measure(self, wanted: Measure) -> None:
+        """Begin a run; DeviceError `bench-not-ready` where the bench is not idle."""
+        with self._lock:
+            if self._state != "idle":
+                raise self._not_ready()
+            self._state, self._running = "busy", wanted.run_id
+        self._send(wanted)
+
+    def pause(self) -> None:
+        """Hold the run."""
+        self._send(Pause())
+
+    def resume(self) -> None:
+        """Let it go on."""
+        self._send(Resume())
+
+    def abort(self) -> None:
+        """End it."""
+        self._send(Abort())
+
+    def safe_off(self) -> BenchLook:
+        """End the run, switch every lamp off, and return what was read back."""
+        return self._ask(SafeOff(next(self._numbers)))
+
+    def look_now(self) -> BenchLook:
+        """Ask every device how it is."""
+        return self._ask(Look(next(self._numbers)))
+
+    def close(self) -> None:
+        """End the run and the process; the lamps are off then. Safe to call twice."""
+        with self._lock:
+            pipe, self._pipe = self._pipe, None
+            if pipe is None:
+                return
+            with suppress(OSError):  # it has ended by itself
+                pipe.send(Leave())
+        self._process.join(_CLOSE_S)
+        if self._process.is_alive():
+            _LOG.error("the bench's process does not end; it is killed, look at the lamps")
+            self._process.kill()
+            self._process.join()
+
+    def _ask(self, question: SafeOff | Look) -> BenchLook:
+        self._send(question)
+        with self._changed:
+            came = self._changed.wait_for(
+                lambda: question.number in self._answers or self._state == "closed", _ANSWER_S
+            )
+            if question.number in self._answers:
+                return self._answers.pop(question.number)
+        if came:
+            raise (self.trouble or _DIED).error()
+        raise DeviceError(
+            f"the bench did not answer within {_ANSWER_S:g} s; look at the lamps",
+            device=self.bench_id,
+            code="bench-silent",
+        )
+
+    def _send(self, command: Command) -> None:
+        with self._lock:
+            if self._pipe is None or self._state in {"opening", "closed"}:
+                raise self._not_ready()
+            try:
+                self._pipe.send(command)
+            except OSError as error:
+                raise _DIED.error() from error
+
+    def _not_ready(self) -> DarkflatError:
+        if self.trouble is not None:
+            return self.trouble.error()
+        return DeviceError(
+            f"the bench {self.bench_id!r} is {self._state}; try again soon",
+            device=self.bench_id,
+            code="bench-not-ready",
+        )
+
+    def _listen(self, pipe: Connection) -> None:
+        while True:
+            try:
+                report: Report = pipe.recv()
+            except (EOFError, OSError):
+                break
+            self._take(report)
+        self._process.join()
+        with self._changed:
+            running, self._running = self._running, ""
+            if self.trouble is None and self._pipe is not None:
+                self.trouble = _DIED
+            self._state = "closed"
+            self._changed.notify_all()
+        if running:
+            self._listener(Ended(running, trouble=_DIED))
+
+    def _take(self, report: Report) -> None:
+        with self._changed:
+            match report:
+                case Answer(number, look):
+                    self._answers[number] = self.look = look
+                case Opened(look):
+                    self._state, self.look = "idle", look
+                case Refused(trouble):
+                    self.trouble = trouble
+                case Ended():
+                    self._state, self._running = "idle", ""
+                case _:
+                    pass
+            self._changed.notify_all()
+        if not isinstance(report, Answer):
+            self._listener(report)
