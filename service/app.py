@@ -10,32 +10,41 @@ from starlette.concurrency import run_in_threadpool
 
 from service.api import (
     apply,
+    bench,
     calibrations,
     coefficient_sets,
     health,
     jobs_routes,
     recordings,
+    runs,
 )
 from service.api.dependencies import Parts
 from service.api.hosts import OnlyKnownHosts
 from service.api.jobs.runner import JobRunner
 from service.api.openapi import describe_api
 from service.api.problems import add_problem_handlers
+from service.bench.settings import BenchSettings
+from service.runs.keeper import RunKeeper
 from service.settings import Settings
 from service.store.store import Store
 
+_ROUTES = (health, bench, runs, recordings, calibrations, jobs_routes, coefficient_sets, apply)
 
-def create_app(settings: Settings | None = None) -> FastAPI:
+
+def create_app(
+    settings: Settings | None = None, *, bench_settings: BenchSettings | None = None
+) -> FastAPI:
     """Return the service; nothing is opened before it is started.
 
     Args:
         settings: Those of the environment where None.
+        bench_settings: The bench that it owns; None: it has none, and keeps and calculates only.
     """
     known = settings or Settings.load()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        parts = await run_in_threadpool(_open, known)
+        parts = await run_in_threadpool(_open, known, bench_settings)
         app.state.parts = parts
         try:
             yield
@@ -50,23 +59,29 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.add_middleware(OnlyKnownHosts)
     add_problem_handlers(app)
-    for module in (health, recordings, calibrations, jobs_routes, coefficient_sets, apply):
+    for module in _ROUTES:
         app.include_router(module.router)
     describe_api(app)
     return app
 
 
-def _open(settings: Settings) -> Parts:
+def _open(settings: Settings, bench_settings: BenchSettings | None) -> Parts:
     store = Store.open(settings)
     settings.work_folder.mkdir(parents=True, exist_ok=True)
     for left_behind in settings.work_folder.glob("calibration-*"):  # by a service that was killed
         shutil.rmtree(left_behind) if left_behind.is_dir() else left_behind.unlink()
     runner = JobRunner(store, max_waiting=settings.max_queued_jobs)
     runner.start()
-    return Parts(settings, store, runner)
+    keeper = None
+    if bench_settings is not None:
+        keeper = RunKeeper(store, bench_settings, settings.runs_folder)
+        keeper.start()
+    return Parts(settings, store, runner, keeper)
 
 
 def _close(parts: Parts) -> None:
+    if parts.keeper is not None:
+        parts.keeper.close()
     parts.runner.close()
     parts.store.close()
 

@@ -63,6 +63,11 @@ class Settings(BaseSettings):
         return self.home / "recordings"
 
     @property
+    def runs_folder(self) -> Path:
+        """Of what runs record, one file per run."""
+        return self.home / "runs"
+
+    @property
     def work_folder(self) -> Path:
         """Of what is under way; on the same file system as what it becomes."""
         return self.home / "work"

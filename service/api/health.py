@@ -24,14 +24,14 @@ class Ready(BaseModel):
     store: Literal["writable"] = "writable"
 
 
-@router.get("/healthz", responses=problems())
+@router.get("/healthz", responses=problems(keyless=True))
 def healthz(runner: RunnerDep) -> Alive:
     """Say that the process is alive and does jobs; a problem where only a restart helps."""
     runner.check_alive()
     return Alive()
 
 
-@router.get("/readyz", responses=problems())
+@router.get("/readyz", responses=problems(keyless=True))
 def readyz(store: StoreDep, runner: RunnerDep) -> Ready:
     """Say that jobs are done and the store can be written; a problem otherwise."""
     runner.check_alive()

@@ -13,8 +13,12 @@ _WHAT = {
     409: "Its state does not allow that.",
     413: "Larger than this service accepts.",
     415: "Not of a media type that this operation takes.",
+    401: "A key is needed, or this one is not good.",
+    403: "The key's scope does not allow it.",
     422: "The request cannot be used as it is.",
+    423: "Somebody else has the bench.",
     429: "Too many jobs are waiting.",
+    502: "A device does not do what it should.",
     503: "The store cannot be used now, or no jobs are done any more.",
     507: "The disk is full.",
 }
@@ -22,12 +26,18 @@ _WHAT = {
 Responses = dict[int | str, dict[str, Any]]
 
 
-def problems(*statuses: int) -> Responses:
-    """Return the `responses` of an operation that may answer with these problems."""
+def problems(*statuses: int, keyless: bool = False) -> Responses:
+    """Return the `responses` of an operation that may answer with these problems.
+
+    Args:
+        statuses: Beside those that every operation may answer with.
+        keyless: Whether it is answered without a key.
+    """
+    always = (422, 503) if keyless else (401, 403, 422, 503)
     schema = {"$ref": "#/components/schemas/Problem"}
     return {
         status: {"description": _WHAT[status], "content": {MEDIA_TYPE: {"schema": schema}}}
-        for status in sorted({*statuses, 422, 503})
+        for status in sorted({*statuses, *always})
     }
 
 

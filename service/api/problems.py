@@ -22,18 +22,27 @@ MEDIA_TYPE = "application/problem+json"
 _LOG = logging.getLogger(__name__)
 
 _STATUS = {
+    "key-needed": 401,
+    "key-refused": 401,
+    "scope-missing": 403,
     "not-found": 404,
     "illegal-transition": 409,
     "overlapping-certification": 409,
     "not-certified": 409,
     "output-exists": 409,
+    "idempotency-mismatch": 409,
     "too-large": 413,
     "wrong-media-type": 415,
+    "bench-held": 423,
     "too-many-jobs": 429,
     "store-busy": 503,
     "store-not-writable": 503,
     "store-damaged": 503,
     "jobs-stopped": 503,
+    "no-bench": 503,
+    "bench-not-ready": 503,
+    "bench-busy": 503,
+    "audit-broken": 503,
     "disk-full": 507,
 }
 
@@ -98,7 +107,10 @@ def _on_darkflat_error(_request: Request, error: Exception) -> JSONResponse:
         more = {"device": error.device, "last_exchange": error.last_exchange or None}
     if isinstance(error, OverlapError):
         more = {"standing": list(error.standing)}
-    return problem(status_of(error), str(error), error.code, **more)
+    answer = problem(status_of(error), str(error), error.code, **more)
+    if answer.status_code == HTTPStatus.UNAUTHORIZED:
+        answer.headers["WWW-Authenticate"] = "Bearer"
+    return answer
 
 
 def _on_invalid_request(_request: Request, error: Exception) -> JSONResponse:

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from calib.arrays import Columns
 from calib.errors import DarkflatError
+from calib.recording.file_recording import FileRecording
 from service.bench.bench import Bench
 from service.bench.opening import open_bench
 from service.bench.settings import BenchSettings
@@ -38,7 +39,7 @@ from service.owner.messages import (
 )
 from service.plan.model import Plan
 from service.sequencer.control import RunControl
-from service.sequencer.events import LiveColumns, Progress
+from service.sequencer.events import LiveColumns, Progress, RunResult
 from service.sequencer.run import run_plan
 
 MOST_COLUMNS = 512
@@ -107,7 +108,7 @@ class _Owner:
                 on_progress=progress,
                 on_columns=columns,
             )
-            ended = Ended(wanted.run_id, result=result)
+            ended = Ended(wanted.run_id, result=result, digest=_digest(result))
         except DarkflatError as error:
             ended = Ended(wanted.run_id, trouble=Trouble.of(error))
         except OSError as error:
@@ -155,6 +156,10 @@ class _Owner:
 
     def _aside(self, work: Callable[[], None]) -> None:
         threading.Thread(target=work, name="darkflat-bench-aside", daemon=True).start()
+
+
+def _digest(result: RunResult) -> str:
+    return FileRecording(result.path).digest() if result.state == "succeeded" else ""
 
 
 def _few(mean_dn: Columns) -> Columns:

@@ -132,10 +132,11 @@ class Seen:
 
 @dataclass(frozen=True)
 class Ended:
-    """The run is over, the bench dark and free."""
+    """The run is over, the bench dark and free; `digest` is that of a whole recording."""
 
     run_id: str
     result: RunResult | None = None
+    digest: str = ""
     trouble: Trouble | None = None
 
 

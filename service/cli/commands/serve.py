@@ -16,20 +16,27 @@ def serve(
     bench: Annotated[Path | None, path_option(metavar="bench.toml")] = None,
     json: Json = None,
 ) -> None:
-    """Serve recordings, calibrations and coefficient sets over HTTP, on this machine alone."""
+    """Serve the bench, its recordings and coefficient sets over HTTP; without one, a simulated."""
     with answering(json) as answer:
         from service.app import create_app  # noqa: PLC0415
         from service.cli.listening import listen, serve_until_stopped  # noqa: PLC0415
+        from service.cli.simulated_bench import chosen_bench  # noqa: PLC0415
         from service.settings import Settings  # noqa: PLC0415
 
         loaded = Settings.load()
         given = {"host": host, "port": port, "bench": bench}
         settings = loaded.model_copy(update={k: v for k, v in given.items() if v is not None})
+        chosen = chosen_bench(settings.bench)
         with listen(settings.host, settings.port) as listening:
-            app = create_app(settings)
+            app = create_app(settings, bench_settings=chosen.settings)
             url = f"http://{settings.host}:{listening.getsockname()[1]}"
             answer.give(
-                {"url": url, "docs": f"{url}/docs", "home": settings.home},
+                {
+                    "url": url,
+                    "docs": f"{url}/docs",
+                    "home": settings.home,
+                    "bench": chosen.settings.id,
+                },
                 lambda console: console.print(f"{url}/docs   (Ctrl-C ends it)", markup=False),
             )
             serve_until_stopped(app, listening)

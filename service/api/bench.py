@@ -1,0 +1,41 @@
+"""`/v1/bench` and `/v1/safe-off`: how the bench is, and every lamp off."""
+
+from fastapi import APIRouter
+
+from service.api.access import Operator, Reader
+from service.api.answers.bench import BenchAnswer, DeviceAnswer, LampsOff
+from service.api.answers.job import JobError
+from service.api.dependencies import CommandsDep, KeeperDep, StoreDep
+from service.api.openapi import problems
+
+router = APIRouter(prefix="/v1", tags=["bench"])
+
+
+@router.get("/bench", responses=problems())
+def get_bench(store: StoreDep, keeper: KeeperDep, _reader: Reader) -> BenchAnswer:
+    """Say what the bench does and who has it; no device is asked for that."""
+    owner, run = keeper.owner, store.runs.under_way()
+    trouble = owner.trouble
+    return BenchAnswer(
+        id=owner.bench_id,
+        state=owner.state,
+        trouble=None if trouble is None else JobError(code=trouble.code, message=trouble.message),
+        run=None if run is None else run.id,
+        held_by=None if run is None else run.submitted_by,
+        devices=() if owner.look is None else tuple(map(DeviceAnswer.of, owner.look.devices)),
+    )
+
+
+@router.post("/bench/look", responses=problems(423, 502))
+def look_at_bench(commands: CommandsDep, operator: Operator) -> tuple[DeviceAnswer, ...]:
+    """Ask every device how it is, while nobody else has the bench."""
+    return tuple(map(DeviceAnswer.of, commands.look(operator).devices))
+
+
+@router.post("/safe-off", responses=problems(502))
+def safe_off(commands: CommandsDep, operator: Operator) -> LampsOff:
+    """Abort what runs, switch every lamp off and read it back, whoever has the bench.
+
+    Software is no interlock: where light can harm, a switch must be within reach.
+    """
+    return LampsOff.of(commands.safe_off(operator))
