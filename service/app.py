@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from importlib.metadata import PackageNotFoundError, version
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from starlette.concurrency import run_in_threadpool
 
 from service.api import (
@@ -18,6 +18,7 @@ from service.api import (
     recordings,
     runs,
 )
+from service.api.access import needs
 from service.api.dependencies import Parts
 from service.api.hosts import OnlyKnownHosts
 from service.api.jobs.runner import JobRunner
@@ -26,9 +27,10 @@ from service.api.problems import add_problem_handlers
 from service.bench.settings import BenchSettings
 from service.runs.keeper import RunKeeper
 from service.settings import Settings
+from service.store.keys import Scope
 from service.store.store import Store
 
-_ROUTES = (health, bench, runs, recordings, calibrations, jobs_routes, coefficient_sets, apply)
+_ROUTES = (bench, runs, recordings, calibrations, jobs_routes, coefficient_sets, apply)
 
 
 def create_app(
@@ -59,8 +61,9 @@ def create_app(
     )
     app.add_middleware(OnlyKnownHosts)
     add_problem_handlers(app)
+    app.include_router(health.router)
     for module in _ROUTES:
-        app.include_router(module.router)
+        app.include_router(module.router, dependencies=[Depends(needs(Scope.READ))])
     describe_api(app)
     return app
 

@@ -27,13 +27,13 @@ def get_bench(store: StoreDep, keeper: KeeperDep, _reader: Reader) -> BenchAnswe
 
 
 @router.post("/bench/look", responses=problems(423, 502))
-def look_at_bench(commands: CommandsDep, operator: Operator) -> tuple[DeviceAnswer, ...]:
+def look_at_bench(operator: Operator, commands: CommandsDep) -> tuple[DeviceAnswer, ...]:
     """Ask every device how it is, while nobody else has the bench."""
     return tuple(map(DeviceAnswer.of, commands.look(operator).devices))
 
 
 @router.post("/safe-off", responses=problems(502))
-def safe_off(commands: CommandsDep, operator: Operator) -> LampsOff:
+def safe_off(operator: Operator, commands: CommandsDep) -> LampsOff:
     """Abort what runs, switch every lamp off and read it back, whoever has the bench.
 
     Software is no interlock: where light can harm, a switch must be within reach.

@@ -12,6 +12,7 @@ from fastapi import APIRouter, Response, status
 from pydantic import BaseModel, ConfigDict, Field
 
 from calib.recording.tone import Tone
+from service.api.access import Operator
 from service.api.answers.job import JobAnswer
 from service.api.dependencies import RunnerDep, SettingsDep, StoreDep
 from service.api.openapi import problems
@@ -52,16 +53,17 @@ class CalibrationRequest(BaseModel):
         max_length=1 << 24,
         description="A model file's text: its departures are taken out of the calibration.",
     )
-    by: str = Field(default="", max_length=200)
 
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(404, 429))
 def start_calibration(
+    *,
     wanted: CalibrationRequest,
     response: Response,
     store: StoreDep,
     settings: SettingsDep,
     runner: RunnerDep,
+    operator: Operator,
 ) -> JobAnswer:
     """Queue a calibration; follow it at the `Location`. Its set is added as a draft."""
     if wanted.tone is not None:
@@ -77,16 +79,16 @@ def start_calibration(
         "calibrate",
         wanted.model_dump(),
         {"recording_path": recording.path, "out_path": str(out)},
-        lambda result: _keep(store, out, result, wanted.by),
+        lambda result: _keep(store, out, result, operator),
         scratch=scratch,
     )
     response.headers["Location"] = f"/v1/jobs/{record.id}"
     return JobAnswer.of(record)
 
 
-def _keep(store: Store, made: Path, result: dict[str, Any], by: str) -> dict[str, Any]:
+def _keep(store: Store, made: Path, result: dict[str, Any], by: Actor) -> dict[str, Any]:
     """Add the set that the job made to the store."""
     from calib.radiometric.coefficients.coefficient_set import CoefficientSet  # noqa: PLC0415  (slow to import)
 
-    store.sets.add(CoefficientSet.load(made), by=Actor(by), reason="calibrated")
+    store.sets.add(CoefficientSet.load(made), by=by, reason="calibrated")
     return result

@@ -7,11 +7,11 @@ from fastapi import APIRouter, Header, Query, Response
 from fastapi.responses import FileResponse
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field
 
+from service.api.access import Certifier, Operator
 from service.api.answers.coefficient_set import SetAnswer, SetPage
 from service.api.dependencies import StoreDep
 from service.api.etags import matches, quoted
 from service.api.openapi import problems
-from service.store.actor import Actor
 from service.store.records import SetRecord
 from service.store.state import SetState
 
@@ -23,8 +23,6 @@ IfNoneMatch = Annotated[str | None, Header()]
 
 class _Request(BaseModel):
     model_config = ConfigDict(extra="forbid")
-
-    by: str = Field(min_length=1, max_length=200, description="Who says so.")
 
 
 class Verification(_Request):
@@ -119,19 +117,23 @@ def get_set_file(set_id: str, store: StoreDep, if_none_match: IfNoneMatch = None
 
 
 @router.post("/{set_id}/verify", responses=problems(404, 409))
-def verify_set(set_id: str, said: Verification, response: Response, store: StoreDep) -> SetAnswer:
+def verify_set(
+    set_id: str, said: Verification, response: Response, store: StoreDep, operator: Operator
+) -> SetAnswer:
     """Say that a draft was looked at; its file is checked against its id."""
-    return _answer(store.sets.verify(set_id, by=Actor(said.by), reason=said.reason), response)
+    return _answer(store.sets.verify(set_id, by=operator, reason=said.reason), response)
 
 
 @router.post("/{set_id}/certify", responses=problems(404, 409))
-def certify_set(set_id: str, said: Certification, response: Response, store: StoreDep) -> SetAnswer:
+def certify_set(
+    set_id: str, said: Certification, response: Response, store: StoreDep, certifier: Certifier
+) -> SetAnswer:
     """Certify a verified set for a time; what overlaps must be named as superseded."""
     record = store.sets.certify(
         set_id,
         valid_from=said.valid_from,
         valid_until=said.valid_until,
-        by=Actor(said.by),
+        by=certifier,
         reason=said.reason,
         supersedes=said.supersedes,
     )
@@ -139,9 +141,11 @@ def certify_set(set_id: str, said: Certification, response: Response, store: Sto
 
 
 @router.post("/{set_id}/revoke", responses=problems(404, 409))
-def revoke_set(set_id: str, said: Revocation, response: Response, store: StoreDep) -> SetAnswer:
+def revoke_set(
+    set_id: str, said: Revocation, response: Response, store: StoreDep, certifier: Certifier
+) -> SetAnswer:
     """Say that a set was wrong: it holds for no time any more."""
-    return _answer(store.sets.revoke(set_id, by=Actor(said.by), reason=said.reason), response)
+    return _answer(store.sets.revoke(set_id, by=certifier, reason=said.reason), response)
 
 
 def _answer(record: SetRecord, response: Response) -> SetAnswer:

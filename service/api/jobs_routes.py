@@ -4,6 +4,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
+from service.api.access import Operator
 from service.api.answers.job import JobAnswer, JobPage
 from service.api.dependencies import RunnerDep, StoreDep
 from service.api.openapi import problems
@@ -31,6 +32,6 @@ def get_job(job_id: str, store: StoreDep, runner: RunnerDep) -> JobAnswer:
 
 
 @router.post("/{job_id}/cancel", responses=problems(404))
-def cancel_job(job_id: str, runner: RunnerDep) -> JobAnswer:
+def cancel_job(job_id: str, runner: RunnerDep, _operator: Operator) -> JobAnswer:
     """End a job at once, whether it waits or runs; one that is done stays as it is."""
     return JobAnswer.of(runner.cancel(job_id))

@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response, status
 from starlette.concurrency import run_in_threadpool
 
+from service.api.access import Operator
 from service.api.answers.recording import RecordingAnswer, RecordingPage
 from service.api.dependencies import SettingsDep, StoreDep
 from service.api.importing import import_archive
@@ -59,8 +60,8 @@ async def import_recording(
     response: Response,
     store: StoreDep,
     settings: SettingsDep,
+    operator: Operator,
     name: Annotated[str, Query(max_length=200, description="For people.")] = "",
-    by: Annotated[str, Query(max_length=200)] = "",
 ) -> RecordingAnswer:
     """Import a recording; one that is here already is answered as it is."""
     check_media_type(request, _ZIP)
@@ -68,7 +69,12 @@ async def import_recording(
         await receive(request, archive, limit_bytes=settings.max_upload_bytes)
         archive.flush()
         record, is_new = await run_in_threadpool(
-            import_archive, Path(archive.name), name=name, by=by, settings=settings, store=store
+            import_archive,
+            Path(archive.name),
+            name=name,
+            by=operator.name,
+            settings=settings,
+            store=store,
         )
     if not is_new:
         response.status_code = status.HTTP_200_OK

@@ -39,8 +39,8 @@ def start_run(
     *,
     plan: Annotated[dict[str, Any], Body(examples=[_EXAMPLE])],
     response: Response,
-    commands: CommandsDep,
     operator: Operator,
+    commands: CommandsDep,
     validate: bool = False,
     idempotency_key: IdempotencyKey = None,
 ) -> RunAnswer | Response:
@@ -108,19 +108,19 @@ def read_journal(
 
 
 @router.post("/{run_id}/pause", responses=problems(404, 409, 423))
-def pause_run(run_id: str, commands: CommandsDep, operator: Operator) -> RunAnswer:
+def pause_run(run_id: str, operator: Operator, commands: CommandsDep) -> RunAnswer:
     """Hold a run; the step that is interrupted is done again, the lamps are as the plan says."""
     return RunAnswer.of(commands.pause(run_id, operator))
 
 
 @router.post("/{run_id}/resume", responses=problems(404, 409, 423))
-def resume_run(run_id: str, commands: CommandsDep, operator: Operator) -> RunAnswer:
+def resume_run(run_id: str, operator: Operator, commands: CommandsDep) -> RunAnswer:
     """Let a paused run go on, or queue an interrupted, failed or cancelled one again."""
     return RunAnswer.of(commands.resume(run_id, operator))
 
 
 @router.post("/{run_id}/abort", responses=problems(404, 409, 423))
-def abort_run(run_id: str, commands: CommandsDep, operator: Operator) -> RunAnswer:
+def abort_run(run_id: str, operator: Operator, commands: CommandsDep) -> RunAnswer:
     """End a run; its state is final once the lamps are off and the bench is free."""
     return RunAnswer.of(commands.abort(run_id, operator))
 

@@ -26,7 +26,7 @@ def test_a_recording_comes_in_as_file_or_folder_and_is_the_same(
     client: TestClient, recording_file: Path, tmp_path: Path, settings: Settings
 ) -> None:
     digest = open_recording(recording_file).digest()
-    first = upload(client, as_files(recording_file), name="sweep 3", by="ada")
+    first = upload(client, as_files(recording_file), name="sweep 3")
     second = upload(client, as_folder(recording_file, tmp_path, inside="sweep3/"))
     assert (first.status_code, second.status_code) == (201, 200)
     assert first.json() == second.json()
