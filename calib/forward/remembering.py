@@ -7,6 +7,7 @@ lines then do not depend on how many of theirs were asked for.
 """
 
 from abc import abstractmethod
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -40,6 +41,32 @@ class Remembering(Departure):
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:
         """Return the signal after this effect, (n_lines, *sample); never change `signal`."""
         return self.carry(signal, at, rng)[0]
+
+
+class LineByLine(Remembering):
+    """One in which each pixel goes from line to line by itself, by a law that is always the same.
+
+    Several stretches of lines, each with what it found, may lie side by side like pixels.
+    """
+
+    @abstractmethod
+    def found(
+        self, sample: tuple[int, ...], at: Conditions, rng: Generator
+    ) -> NDArray[np.float64 | np.int64]:
+        """Return what is in the pixels before the first line, (*sample,)."""
+
+    @abstractmethod
+    def carried(
+        self, signal: Lines, found: NDArray[Any], at: Conditions, rng: Generator
+    ) -> tuple[Lines, Pixels]:
+        """Return what `carry` does, of pixels that held `found` before, (*sample,).
+
+        Of `at`, only what all stretches have in common may be looked at.
+        """
+
+    def carry(self, signal: Lines, at: Conditions, rng: Generator) -> tuple[Lines, Pixels]:
+        """Return the signal after this effect, (n_lines, *sample), and what it leaves."""
+        return self.carried(signal, self.found(signal.shape[1:], at, rng), at, rng)
 
 
 def sum_over_lines(weights: NDArray[np.floating], signal: Lines) -> Pixels:

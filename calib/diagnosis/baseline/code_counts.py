@@ -94,6 +94,8 @@ class CodeCounts:
             shares: Change of the share of samples by code, (1, n_codes) of a recording, (2,
                 n_codes) of two simulated draws: what both of them show is no chance.
         """
+        if len(shares) > 1 and not shares.any():
+            return np.zeros(self.n_numbers)
         mean = shares.mean(axis=0)
         low = self._lowest
         ends = np.array([mean[:low].sum(), mean[low]]) * self.samples

@@ -15,7 +15,7 @@ from calib.diagnosis.evidence.mean_space import MeanSpace, mean_space
 from calib.diagnosis.evidence.noise_directions import noise_directions
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.rare_space import RareSpace
-from calib.diagnosis.evidence.standing_out import N_STEPS, misfit, steps
+from calib.diagnosis.evidence.standing_out import N_STEPS, PixelMisfits, steps
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.monitor import MonitorReadings, readings_of
 from calib.diagnosis.recorded.sensor import Sensor
@@ -55,6 +55,7 @@ class Evidence:
         whole: The space of the means of all pixels, where noisy ones are left out of `space`.
         known_peaks: Of the spectra, where they have been looked for.
         growing: Pixels that grow with the exposure: their means count, at a variance of their own.
+        of_all: The evidence of all blocks, where some are left out: what it knows holds here, too.
     """
 
     sums: tuple[BlockSums, ...]
@@ -67,6 +68,7 @@ class Evidence:
     kept: NDArray[np.bool_] | None = None
     known_peaks: tuple[Peak, ...] | None = None
     growing: Growing | None = None
+    of_all: "Evidence | None" = None
 
     @cached_property
     def places(self) -> dict[str, slice]:
@@ -141,6 +143,8 @@ class Evidence:
     @cached_property
     def pooled_std(self) -> Floats:
         """Standard deviations of the pooled statistics, (n_blocks, n_pooled); inf: not used."""
+        if self.of_all is not None and self.kept is not None:
+            return np.where(self.kept[:, None], self.of_all.pooled_std, np.inf)
         std = np.stack([std.vector() for _, std in self.expected])
         # The noise of pixels side by side in bright and dark parts has no common level.
         std[scene_blocks(self.table)] = np.inf
@@ -148,13 +152,13 @@ class Evidence:
         std[:, where] = np.hypot(std[:, where], self._fourths_of_events())
         # Where wells or codes are full, noise is not the light's.
         std[self.saturated] = np.inf
-        if self.kept is not None:
-            std[~self.kept] = np.inf
         return std
 
     @cached_property
     def rare_space(self) -> RareSpace:
         """Where rare events are counted."""
+        if self.of_all is not None:
+            return self.of_all.rare_space
         counts = np.stack([each.events.counts(self.sensor.noisy) for each in self.sums])
         variance = self.baseline.variance_dn2.mean(axis=(1, 2))
         return RareSpace.of(counts, self.n, self.sensor.n_pixels, variance)
@@ -220,14 +224,14 @@ class Evidence:
             pool = pool - direction * float(direction @ pool)
         if self.kept is not None:
             gone = ~self.kept
-            onset = np.where(gone[:, None], 0.0, change.onset / self._onset_std)
+            onset = np.where(gone[:, None], 0.0, change.onset / self.onset_std)
             rare = self.rare_space.whitened(change.rare, self.kept)
             tones = np.where(gone[:, None], 0.0, change.tones / self._tone_std)
             return Point(means, np.concatenate([pool, onset.ravel(), rare, tones.ravel()]))
         rest = np.concatenate(
             [
                 pool,
-                (change.onset / self._onset_std).ravel(),
+                (change.onset / self.onset_std).ravel(),
                 self.rare_space.whitened(change.rare),
                 steps(change.pixel_variance * np.sqrt((self.n - 1).sum() / 2.0)),
                 steps(change.pixel_misfit),
@@ -254,7 +258,9 @@ class Evidence:
         kept[blocks] = False
         usable = self.baseline.usable & kept[:, None, None]
         baseline = replace(self.baseline, usable=usable)
-        return replace(self, baseline=baseline, kept=kept, whole=None, known_peaks=self.peaks)
+        return replace(
+            self, baseline=baseline, kept=kept, whole=None, known_peaks=self.peaks, of_all=self
+        )
 
     def product(self, one: Point, other: Point) -> float:
         """Return the inner product."""
@@ -276,7 +282,7 @@ class Evidence:
         """Return what each peak has in each block, (n_blocks, n_peaks)."""
         return np.array(values).reshape(-1, self.n_blocks).T
 
-    @property
+    @cached_property
     def _tone_std(self) -> Floats:
         floor = self._of_peaks([p.std_dn2 for p in self.peaks])
         values = self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks])
@@ -284,7 +290,10 @@ class Evidence:
         return np.asarray(np.sqrt(floor**2 + 2.0 * floor * smooth + (TONE_ERROR * smooth) ** 2))
 
     @cached_property
-    def _onset_std(self) -> Floats:
+    def onset_std(self) -> Floats:
+        """Standard deviations of the first lines' means, (n_blocks, ONSET_LINES)."""
+        if self.of_all is not None:
+            return self.of_all.onset_std
         std = np.full((self.n_blocks, ONSET_LINES), np.inf)
         for b in range(1, self.n_blocks):
             signal = float((self.baseline.mean_dn[b] - self.baseline.offset_dn).mean())
@@ -301,5 +310,9 @@ class Evidence:
 
     def misfit(self, means: Floats, *, observed: bool) -> Floats:
         """Return by how many standard deviations each pixel's means, DN, miss the baseline."""
+        return self._misfits.sigma(means, observed=observed)
+
+    @cached_property
+    def _misfits(self) -> PixelMisfits:
         space = self.space if self.whole is None else self.whole
-        return misfit(space, means, self.table.exposure_us, observed=observed)
+        return PixelMisfits.of(space, self.table.exposure_us)

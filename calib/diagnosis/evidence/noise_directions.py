@@ -31,8 +31,7 @@ def noise_directions(
         signal = of_tap * (baseline.mean_dn - baseline.offset_dn)
         for per_pixel in (signal, np.broadcast_to(of_tap, signal.shape)):
             change = np.zeros_like(std)
-            for b, each in enumerate(per_pixel):
-                change[b, : sensor.n_groups] = grouped(each, sensor) / groups
+            change[:, : sensor.n_groups] = grouped(per_pixel, sensor) / groups
             white = np.where(fine, change / np.where(fine, std, 1.0), 0.0).ravel()
             length = float(white @ white)
             for direction in (*directions, *directions):

@@ -1,5 +1,7 @@
 """Pixels that stand out of all others: by what their samples or their means miss."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +19,8 @@ MAD_OF_NORMAL = 0.6745
 
 def steps(z: Floats) -> Floats:
     """Return how many pixels stand out of all others: what all do is in the means."""
+    if not z.any():
+        return np.zeros(N_STEPS)
     middle = np.median(z)
     z = (z - middle) / max(float(np.median(np.abs(z - middle))) / MAD_OF_NORMAL, 1.0)
     far = z > FAR_SIGMA
@@ -24,23 +28,44 @@ def steps(z: Floats) -> Floats:
     return whitened_counts(np.array([kind.sum() for kind in kinds], np.float64))
 
 
-def misfit(space: MeanSpace, means: Floats, exposure_us: Floats, *, observed: bool) -> Floats:
-    """Return by how many standard deviations each pixel's means, DN, miss the baseline.
+@dataclass(frozen=True)
+class PixelMisfits:
+    """By how much pixels' means miss the baseline.
 
     What grows with the exposure is no misfit: it has a place of its own.
+
+    Attributes:
+        space: Of the means.
+        growth: What grows with the exposure, projected, (n_blocks, n_pixels).
+        length2: Its squared length, (n_pixels,); 1 where the baseline absorbs it.
+        told: Where it does not, likewise.
+        used: How many means of each pixel tell a misfit, likewise.
     """
-    white, growth = space.project(means), space.project(_each(exposure_us, means))
-    length2 = np.einsum("bp,bp->p", growth, growth)
-    whole = (space.weight**2 * _each(exposure_us, means) ** 2).sum(axis=0)
-    told = length2 > 1e-6 * np.maximum(whole, 1e-300)
-    along = np.where(told, np.einsum("bp,bp->p", growth, white), 0.0)
-    square = np.einsum("bp,bp->p", white, white) - along**2 / np.where(told, length2, 1.0)
-    used = np.maximum((space.weight > 0).sum(axis=0) - len(space.basis) - told, 1)
-    if not observed:
-        return np.asarray(square / np.sqrt(2.0 * used))
-    third = (np.maximum(square, 0.0) / used) ** (1 / 3)
-    return np.asarray((third - (1.0 - 2.0 / (9.0 * used))) / np.sqrt(2.0 / (9.0 * used)))
 
+    space: MeanSpace
+    growth: Floats
+    length2: Floats
+    told: NDArray[np.bool_]
+    used: NDArray[np.intp]
 
-def _each(exposure_us: Floats, means: Floats) -> Floats:
-    return np.asarray(np.broadcast_to(exposure_us[:, None], means.shape))
+    @classmethod
+    def of(cls, space: MeanSpace, exposure_us: Floats) -> "PixelMisfits":
+        """Return what is worked out once of all blocks' exposures, (n_blocks,)."""
+        each = np.broadcast_to(exposure_us[:, None], space.weight.shape)
+        growth = space.project(each)
+        length2 = np.einsum("bp,bp->p", growth, growth)
+        whole = (space.weight**2 * each**2).sum(axis=0)
+        told = length2 > 1e-6 * np.maximum(whole, 1e-300)
+        used = np.maximum((space.weight > 0).sum(axis=0) - len(space.basis) - told, 1)
+        return cls(space, growth, np.where(told, length2, 1.0), told, used)
+
+    def sigma(self, means: Floats, *, observed: bool) -> Floats:
+        """Return by how many standard deviations each pixel's `means`, DN, miss, (n_pixels,)."""
+        white = self.space.project(means)
+        along = np.where(self.told, np.einsum("bp,bp->p", self.growth, white), 0.0)
+        square = np.einsum("bp,bp->p", white, white) - along**2 / self.length2
+        if not observed:
+            return np.asarray(square / np.sqrt(2.0 * self.used))
+        third = (np.maximum(square, 0.0) / self.used) ** (1 / 3)
+        normal = (third - (1.0 - 2.0 / (9.0 * self.used))) / np.sqrt(2.0 / (9.0 * self.used))
+        return np.asarray(normal)

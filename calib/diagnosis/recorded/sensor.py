@@ -65,11 +65,6 @@ class Sensor:
         group.flat[list(self.noisy)] = self.n_groups
         return group
 
-    @cached_property
-    def members(self) -> NDArray[np.float64]:
-        """1 where a pixel belongs to a group, else 0, (n_pixels, n_groups)."""
-        return np.asarray(self.group.reshape(-1, 1) == np.arange(self.n_groups), np.float64)
-
     @property
     def n_groups(self) -> int:
         """How many groups there are; some may be empty."""

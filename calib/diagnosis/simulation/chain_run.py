@@ -29,6 +29,7 @@ from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.designed_noise import DesignedNoise, Prepared
 from calib.diagnosis.simulation.designed_normals import SOURCES, designed_normals
+from calib.diagnosis.simulation.side_by_side import carried_together
 from calib.diagnosis.simulation.stack import Stack
 from calib.forward.chain import without_noise
 from calib.forward.conditions import Conditions
@@ -36,7 +37,7 @@ from calib.forward.effect import Effect, Stage
 from calib.forward.effects.adc import Adc
 from calib.forward.effects.catalogue import place_of
 from calib.forward.left import Left
-from calib.forward.remembering import Remembering
+from calib.forward.remembering import LineByLine, Remembering
 from calib.kernels.noisy_signal import noisy_signal
 
 Floats = NDArray[np.float64]
@@ -246,6 +247,12 @@ class FittedChain:
         if link.by_signal:
             rng = self._rng(link, stack.blocks, draw, signal.shape, noise)
             return np.asarray(link.apply(signal, at[0], rng), np.float64)
+        if isinstance(link, LineByLine) and link.stochastic:
+            each = [
+                self._designed(link, (b,), draw, signal[where].shape, noise)
+                for b, where in zip(stack.blocks, stack.parts, strict=True)
+            ]
+            return carried_together(link, signal, stack.parts, at, each, noise=noise)
         after = np.empty_like(signal)
         for b, where, a in zip(stack.blocks, stack.parts, at, strict=True):
             rng = self._rng(link, (b,), draw, signal[where].shape, noise)
@@ -278,6 +285,16 @@ class FittedChain:
     ) -> Generator:
         if not link.stochastic:
             return _UNUSED
+        return self._designed(link, blocks, draw, shape, noise)
+
+    def _designed(
+        self,
+        link: Effect,
+        blocks: Sequence[int],
+        draw: int,
+        shape: tuple[int, ...],
+        noise: float,
+    ) -> DesignedNoise:
         name = crc32(link.name.encode())
         # Sources of noise beyond the baseline's own take arrays of their own.
         source, which = SOURCES * (1 + name % 5), [b + 13 * draw for b in blocks]

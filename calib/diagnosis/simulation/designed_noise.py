@@ -73,8 +73,12 @@ class DesignedNoise(Moments):
 
     def binomial(self, n: ArrayLike, p: ArrayLike, size: Any = None) -> Any:
         """Return smooth numbers; none comes of less than nothing."""
-        self._share = float(np.asarray(p)) if np.ndim(p) == 0 else None
+        self.asked_for(p)
         return super().binomial(np.maximum(n, 0.0), p, size)
+
+    def asked_for(self, share: ArrayLike) -> None:
+        """Take the next numbers from those that belong to a share."""
+        self._share = float(np.asarray(share)) if np.ndim(share) == 0 else None
 
     def standard_normal(self, size: Any = None, *_: Any, **__: Any) -> Any:
         """Return designed numbers for all lines, for one line, or one number a line.

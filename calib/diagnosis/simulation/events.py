@@ -61,7 +61,7 @@ def change_of_events(effect: Departure, density: Density, responder: Responder) 
 def _unit(dense: Departure, density: Density, responder: Responder) -> Change:
     known = responder.of_events
     if dense not in known:
-        draws = [responder.change((dense,), draw) for draw in range(2)]
+        draws = [responder.change((dense,), draw, drawn_alone=True) for draw in range(2)]
         half = (draws[0] + draws[1]) * 0.5
         nothing = np.zeros_like(half.pixel_variance)
         # Lines that come twice are left out of all but the count of them.

@@ -21,6 +21,7 @@ from calib.diagnosis.simulation.stack import Stack
 from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.noisy import NOISY_SIGMA, few
+from calib.diagnosis.statistics.pooled import ONSET_LINES
 from calib.diagnosis.statistics.rare import rare_trials
 from calib.diagnosis.statistics.tones import Peak
 from calib.forward.departure import Departure
@@ -65,20 +66,28 @@ class Responder:
         wanted = int(np.clip(SAMPLES // per_line, FEWEST_LINES, MOST_LINES))
         return max(2, min(wanted, int(self.chain.table.n_lines.min())))
 
-    def change(self, effects: Sequence[Effect], draw: int = 0) -> Change:
-        """Return what `effects` change."""
+    def change(
+        self, effects: Sequence[Effect], draw: int = 0, *, drawn_alone: bool = False
+    ) -> Change:
+        """Return what `effects` change.
+
+        Args:
+            effects: The effects.
+            draw: Number of the noise.
+            drawn_alone: Where means are told elsewhere, only what drawn lines show; no means.
+        """
         lefts = self.chain.left_before(effects)
         coded = any(e.stage >= Stage.CODES for e in effects)
         others = [e for e in effects if e.stage < Stage.CODES]
-        sampled = sampled_lines(self.chain, others, lefts, draw)
-        means, onset = mean_change(sampled)
+        sampled = [] if drawn_alone else sampled_lines(self.chain, others, lefts, draw)
+        means, onset = mean_change(sampled) if sampled else self._no_change_of_means()
         # An effect's own noise has chance products with that of the baseline, of either sign.
         signed = {1.0: effects}
         if any(map(self.chain.has_noise, effects)) or any(map(is_tone, effects)):
             signed[-1.0] = [opposite_tone(effect) for effect in effects]
         drawn = [self._drawn(e, lefts, draw, coded=coded, sign=sign) for sign, e in signed.items()]
         plain = (self.plain or self).plain_drawn(draw, coded=coded)
-        if coded:
+        if coded and sampled:
             means = means + self._of_codes(drawn[0], others, lefts, draw)
         table = self.chain.table
         weight = table.n_lines - 1
@@ -90,7 +99,7 @@ class Responder:
         moved = moved - plain.pooled(variance, sensor, counts)
         moved = as_of_long_blocks(moved, self.n_lines, table.n_lines, sensor)
         rare = _mean([d.rare(sensor) for d in drawn]) - plain.rare(sensor)
-        if not any(map(self.chain.has_events, effects)):
+        if sampled and not any(map(self.chain.has_events, effects)):
             scatter, counted = scatter_change(sampled, variance, sensor, counts)
             moved, rare = moved + scatter, rare + counted
         trials = rare_trials(self.n_lines, self.chain.sensor.n_pixels)
@@ -101,10 +110,14 @@ class Responder:
             moved,
             _by_conditions(rare, trials, table),
             ratio,
-            _codes(_mean([d.codes for d in drawn]) - plain.codes, (weight + 1) * fine, coded=coded),
+            _codes([d.codes for d in drawn], plain.codes, (weight + 1) * fine, coded=coded),
             tone_change(self.chain, effects, self.peaks),
             np.zeros(len(ratio)),
         )
+
+    def _no_change_of_means(self) -> tuple[Floats, Floats]:
+        blocks = len(self.chain.table.blocks)
+        return np.zeros((blocks, self.chain.sensor.n_pixels)), np.zeros((blocks, ONSET_LINES))
 
     def _of_codes(
         self, drawn: Drawn, others: Sequence[Effect], lefts: Sequence[Left | None], draw: int
@@ -170,11 +183,11 @@ def _mean(values: Sequence[Floats]) -> Floats:
     return values[0] if len(values) == 1 else np.mean(values, axis=0)
 
 
-def _codes(change: Floats, weight: Floats, *, coded: bool) -> Floats:
+def _codes(drawn: Sequence[Floats], plain: Floats, weight: Floats, *, coded: bool) -> Floats:
     """Return the change of code shares, (1, n_codes), or nothing in two draws."""
     if coded and weight.any():
-        return np.asarray(np.average(change, 0, weight))[None]
-    return np.zeros((2, change.shape[1]))
+        return np.asarray(np.average(_mean(drawn) - plain, 0, weight))[None]
+    return np.zeros((2, plain.shape[1]))
 
 
 def _by_conditions(rates: Floats, trials: Floats, table: ConditionsTable) -> Floats:

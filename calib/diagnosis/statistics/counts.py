@@ -1,11 +1,13 @@
 """How much is averaged in pooled statistics: pixels, pairs of them, and taps of a row."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.recorded.sensor import Sensor
+from calib.kernels.group_sums import group_sums
 from calib.kernels.residual_products import COLUMN_LAGS, tap_sizes
 
 Floats = NDArray[np.float64]
@@ -22,22 +24,22 @@ class Counts:
     partners: Floats
     tap_size: Floats
 
-    @property
+    @cached_property
     def present(self) -> NDArray[np.bool_]:
         """Which taps a row has, (n_rows, n_taps): of four quadrants, two."""
         return np.asarray(self.tap_size > 0)
 
-    @property
+    @cached_property
     def smallest_tap(self) -> float:
         """How many pixels of a row share a tap, at least 2."""
         return max(float(self.tap_size[self.present].min()), 2.0)
 
-    @property
+    @cached_property
     def taps_of_row(self) -> float:
         """How many taps a row has."""
         return float(self.present.sum(axis=1).mean())
 
-    @property
+    @cached_property
     def shared_rows(self) -> dict[tuple[int, int], int]:
         """In how many rows two taps stand together, of those that do."""
         n_taps = self.present.shape[1]
@@ -70,6 +72,6 @@ class Counts:
 
 def grouped(values: Floats, sensor: Sensor) -> Floats:
     """Return sums over each group of pixels, (..., n_groups), of (..., n_rows, n_columns)."""
-    flat = values.reshape(*values.shape[:-2], sensor.n_pixels)
-    # A few columns only: threads of a matrix product would take longer to start.
-    return np.asarray(np.einsum("...p,pg->...g", flat, sensor.members))
+    leading = values.shape[:-2]
+    sums = group_sums(values.reshape(-1, sensor.n_pixels), sensor.group.ravel(), sensor.n_groups)
+    return sums.reshape(*leading, sensor.n_groups)

@@ -8,10 +8,11 @@ says why lag of independent electrons shows only where the light changes.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
 
 from calib.arrays import Lines, Pixels
 from calib.forward.conditions import Conditions
@@ -20,12 +21,12 @@ from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.partition import part_of
 from calib.forward.plan_needs import flats
-from calib.forward.remembering import Remembering, sum_over_lines
+from calib.forward.remembering import LineByLine, sum_over_lines
 from calib.recording.header import Block, CameraHeader
 
 
 @dataclass(frozen=True)
-class Lag(Remembering):
+class Lag(LineByLine):
     """Hold back a share f of the charge, that of the line before included, for the next line.
 
     In steady light of m electrons, f m / (1 - f) stay and m are read. After a step from m to m',
@@ -56,9 +57,15 @@ class Lag(Remembering):
         """Return what a recording lacks to show lag; None where it could."""
         return flats(blocks, lines=2)
 
-    def carry(self, signal: Lines, at: Conditions, rng: Generator) -> tuple[Lines, Pixels]:
+    def carried(
+        self,
+        signal: Lines,
+        found: NDArray[Any],
+        at: Conditions,  # noqa: ARG002
+        rng: Generator,
+    ) -> tuple[Lines, Pixels]:
         """Electrons in and out, (n_lines, *sample), and what stays of the last line, (*sample,)."""
-        kept = self._found(signal.shape[1:], at, rng)
+        kept = found
         read = np.empty(signal.shape)
         for n, line in enumerate(signal):
             charge = line + kept
@@ -73,7 +80,7 @@ class Lag(Remembering):
         before = at.left_by(self.name)
         return kept if before is None else kept + before * self.share**at.n_lines
 
-    def _found(self, sample: tuple[int, ...], at: Conditions, rng: Generator) -> Pixels:
+    def found(self, sample: tuple[int, ...], at: Conditions, rng: Generator) -> Pixels:
         """Return the charge in the pixels before the first line, (*sample,)."""
         kept = at.left_by(self.name)
         if at.before is None or kept is None:

@@ -8,7 +8,7 @@ Telesc. Instrum. Syst. 5 (2019): each kind of trap fills and empties as a filter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, expm1
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.random import Generator
@@ -20,12 +20,12 @@ from calib.forward.departure import Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.plan_needs import darker_after_brighter
-from calib.forward.remembering import Remembering, sum_over_lines
+from calib.forward.remembering import LineByLine, sum_over_lines
 from calib.recording.header import Block, CameraHeader
 
 
 @dataclass(frozen=True)
-class Persistence(Remembering):
+class Persistence(LineByLine):
     """Catch a share a of each line's charge; release what is caught with a time constant T.
 
     Traps that hold H electrons give back H (1 - exp(-P / T)) during a line period P, which are
@@ -56,9 +56,11 @@ class Persistence(Remembering):
         """Return what a recording lacks to show persistence; None where it could."""
         return darker_after_brighter(blocks)
 
-    def carry(self, signal: Lines, at: Conditions, rng: Generator) -> tuple[Lines, Pixels]:
+    def carried(
+        self, signal: Lines, found: NDArray[Any], at: Conditions, rng: Generator
+    ) -> tuple[Lines, Pixels]:
         """Electrons in and out, (n_lines, *sample), and what the traps hold, (*sample,)."""
-        held: NDArray[np.int64] = self._found(signal.shape[1:], at, rng)
+        held = found
         released_share = -expm1(-at.line_period_us * 1e-6 / self.time_constant_s)
         whole = np.rint(np.maximum(signal, 0.0)).astype(np.int64)
         read = np.empty(signal.shape)
@@ -82,7 +84,7 @@ class Persistence(Remembering):
         held = at.left_by(self.name)
         return None if held is None else held * exp(-at.idle_s / self.time_constant_s)
 
-    def _found(self, sample: tuple[int, ...], at: Conditions, rng: Generator) -> NDArray[np.int64]:
+    def found(self, sample: tuple[int, ...], at: Conditions, rng: Generator) -> NDArray[np.int64]:
         """Return the whole electrons in the traps when the first line starts, (*sample,)."""
         held, kept = at.left_by(self.name), self._kept(at)
         if at.before is None or held is None or kept is None:
