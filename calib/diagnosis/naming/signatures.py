@@ -164,6 +164,21 @@ def change_of(
     Not so where `once`, which tells the size of a change and no more; what that gave may be told
     as `first`.
     """
+    if once or first is not None:
+        return _simulated(effects, evidence, responder, once=once, first=first)
+    # One responder serves one evidence.
+    key = (effects, responder.links_key)
+    return responder.known.of(key, lambda: _simulated(effects, evidence, responder))
+
+
+def _simulated(
+    effects: tuple[Departure, ...],
+    evidence: Evidence,
+    responder: Responder,
+    *,
+    once: bool = False,
+    first: Change | None = None,
+) -> Change:
     dense = {e: density for e in effects if (density := density_of(e, responder)) is not None}
     if dense:
         parts = [change_of_events(e, density, responder) for e, density in dense.items()]

@@ -14,7 +14,8 @@ from calib.diagnosis.statistics.pooled import ONSET_LINES, places, pooled
 from calib.diagnosis.statistics.rare import FAR_SIGMA, OFTEN, RARE, rare_trials
 from calib.diagnosis.statistics.tones import Peak
 from calib.forward.effect import Effect
-from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS, ResidualProducts, tap_sizes
+from calib.kernels.residual_products import LINE_LAGS, ResidualProducts, tap_sizes
+from calib.kernels.scatter_products import scatter_products
 
 Floats = NDArray[np.float64]
 
@@ -92,19 +93,12 @@ def _products(each: SampledLines, sigma: Floats, sensor: Sensor) -> tuple[Residu
     out = np.abs(r) > CUT_SIGMA * sigma + 1.0
     rare = _counted(np.where(out, r, 0.0) / sigma, each.weights * n)
     r = np.where(out, 0.0, r)
-    gram = [each.between[: n - k].T @ each.between[k:] for k in range(LINE_LAGS + 1)]
-    along = np.tensordot(gram[0], r, 1)
-    columns, lines = np.zeros((COLUMN_LAGS, *shape)), np.zeros((LINE_LAGS, *shape))
-    for k in range(1, min(COLUMN_LAGS, sensor.n_columns - 1) + 1):
-        columns[k - 1, :, :-k] = (along[..., :-k] * r[..., k:]).sum(axis=0)
-    for k in range(1, LINE_LAGS + 1):
-        lines[k - 1] = (r * np.tensordot(gram[k], r, 1)).sum(axis=0)
-    rows, partners = np.zeros(shape), np.zeros((len(sensor.partner), *shape))
-    rows[:-1] = (along[:, :-1] * r[:, 1:]).sum(axis=0)
-    for p, partner in enumerate(sensor.partner):
-        partners[p] = np.where(partner >= 0, (along * r[..., partner]).sum(axis=0), 0.0)
-    squares = (along * r).sum(axis=0)
-    fourths = 6.0 * sigma**2 * squares + np.tensordot(each.weights * n, r**4, 1)
+    b = each.between
+    gram = np.stack([b[: n - k].T @ b[k:] for k in range(LINE_LAGS + 1)])
+    squares, fourths, columns, lines, rows, partners = scatter_products(
+        r, gram, each.weights * n, sensor.partner
+    )
+    fourths = 6.0 * sigma**2 * squares + fourths
     found = ResidualProducts(
         np.zeros(shape), squares, fourths, columns, rows, lines, partners,
         np.tensordot(each.between, means, 1), np.zeros(shape, np.int64),

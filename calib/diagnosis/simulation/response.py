@@ -1,6 +1,6 @@
 """What effects change in all statistics of a recording, against the baseline."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,6 +13,7 @@ from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.diagnosis.simulation.drawn_lines import Drawn, drawn_of
+from calib.diagnosis.simulation.known_changes import KnownChanges
 from calib.diagnosis.simulation.mean_change import mean_change, scatter_change, tone_change
 from calib.diagnosis.simulation.opposite_tone import opposite_tone
 from calib.diagnosis.simulation.sampled_lines import is_tone, sampled_lines
@@ -111,9 +112,15 @@ class Responder:
             _by_conditions(rare, trials, table),
             ratio,
             _codes([d.codes for d in drawn], plain.codes, (weight + 1) * fine, coded=coded),
-            tone_change(self.chain, effects, self.peaks),
+            self._tones_of(tuple(effect for effect in effects if is_tone(effect))),
             np.zeros(len(ratio)),
         )
+
+    def _tones_of(self, tones: tuple[Effect, ...]) -> Floats:
+        """Return what effects of the spectrum change at its peaks, worked out once."""
+        if tones not in self._tones:
+            self._tones[tones] = tone_change(self.chain, tones, self.peaks)
+        return self._tones[tones]
 
     def _no_change_of_means(self) -> tuple[Floats, Floats]:
         blocks = len(self.chain.table.blocks)
@@ -170,8 +177,24 @@ class Responder:
         return self._plain[draw, coded]
 
     @cached_property
+    def known(self) -> KnownChanges:
+        """What was simulated about this baseline, and about those that follow from it."""
+        return KnownChanges() if self.plain is None else self.plain.known
+
+    @cached_property
+    def links_key(self) -> Hashable:
+        """What the links follow from, and whether they are compared with others."""
+        base = self.chain.baseline
+        links = (base.offset_dn, base.slope, base.gain_dn_per_e, base.read_variance_dn2)
+        return (self.plain is None, *(each.tobytes() for each in links))
+
+    @cached_property
     def of_events(self) -> dict[Departure, Change]:
         """What effects made of events change where these are dense, as far as it is known."""
+        return {}
+
+    @cached_property
+    def _tones(self) -> dict[tuple[Effect, ...], Floats]:
         return {}
 
     @cached_property
