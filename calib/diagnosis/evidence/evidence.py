@@ -191,27 +191,48 @@ class Evidence:
 
     def observed(self) -> Change:
         """Return the differences of what was recorded from what the baseline expects."""
-        vectors, onset = [], np.zeros((self.n_blocks, ONSET_LINES))
-        squares = np.zeros(self.sensor.n_pixels)
+        return self._observed
+
+    @cached_property
+    def _observed(self) -> Change:
+        onset = np.zeros((self.n_blocks, ONSET_LINES))
+        for b, each in enumerate(self.sums):
+            line = each.products.line_means.mean(axis=(1, 2))
+            k = min(ONSET_LINES, len(line) // 2)
+            onset[b, :k] = line[:k] - line[len(line) // 2 :].mean()
+        return Change(
+            self.observed_means, onset, self.observed_pooled, self.rare_space.seen,
+            self.excess_variance,
+            self.code_counts.residual(),
+            self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),
+            self.misfit(self.observed_means, observed=True),
+            self.monitor.observed,
+        )  # fmt: skip
+
+    @cached_property
+    def observed_means(self) -> Floats:
+        """Means less those of the baseline, DN, (n_blocks, n_pixels)."""
+        means = np.stack([each.mean_dn.ravel() for each in self.sums])
+        return np.asarray(means - self.baseline.mean_dn.reshape(means.shape))
+
+    @cached_property
+    def observed_pooled(self) -> Floats:
+        """Pooled statistics less those that the baseline expects, (n_blocks, n_pooled)."""
+        vectors = []
         for b, each in enumerate(self.sums):
             variance = self.baseline.variance_dn2[b]
             values = pooled(each.products, each.n_lines, variance, self.sensor, self.counts)
             vectors.append(values.vector() - self.expected[b][0].vector())
-            line = each.products.line_means.mean(axis=(1, 2))
-            k = min(ONSET_LINES, len(line) // 2)
-            onset[b, :k] = line[:k] - line[len(line) // 2 :].mean()
-            squares += (each.products.squares / variance).ravel()
-        means = np.stack([each.mean_dn.ravel() for each in self.sums])
-        means = means - self.baseline.mean_dn.reshape(means.shape)
+        return np.stack(vectors)
+
+    @cached_property
+    def excess_variance(self) -> Floats:
+        """Each pixel's variance over the expected one in all blocks, less 1, (n_pixels,)."""
+        squares = np.zeros(self.sensor.n_pixels)
+        for b, each in enumerate(self.sums):
+            squares += (each.products.squares / self.baseline.variance_dn2[b]).ravel()
         freedom = (self.n - 1).sum() * (1.0 - 1.0 / self.counts.smallest_tap)
-        return Change(
-            means, onset, np.stack(vectors), self.rare_space.seen,
-            excess_as_normal(squares / freedom, float(freedom)),
-            self.code_counts.residual(),
-            self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),
-            self.misfit(means, observed=True),
-            self.monitor.observed,
-        )  # fmt: skip
+        return excess_as_normal(squares / freedom, float(freedom))
 
     def point(self, change: Change) -> Point:
         """Return a change in the whitened space, without what the baseline absorbs."""

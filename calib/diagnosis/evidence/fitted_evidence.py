@@ -45,14 +45,14 @@ def evidence_of(sums: Sequence[BlockSums], table: ConditionsTable, sensor: Senso
 
 def noisy_pixels(evidence: Evidence) -> NDArray[np.intp]:
     """Return the pixels whose variances or means are far off, (n,); none where they are many."""
-    change = evidence.observed()
-    z = change.pixel_variance * np.sqrt((evidence.n - 1).sum() / 2.0)
-    off = (z > NOISY_SIGMA) | (change.pixel_misfit > NOISY_SIGMA)
+    z = evidence.excess_variance * np.sqrt((evidence.n - 1).sum() / 2.0)
+    misfit = evidence.misfit(evidence.observed_means, observed=True)
+    off = (z > NOISY_SIGMA) | (misfit > NOISY_SIGMA)
     return few(np.flatnonzero(off), len(z))
 
 
 def _common(quiet: Evidence) -> CommonNoise:
-    observed = quiet.observed().pooled
+    observed = quiet.observed_pooled
     where = places(quiet.sensor)
     white = np.stack([mean.of["common"].mean() for mean, _ in quiet.expected])
     taps = quiet.counts.taps_of_row

@@ -96,7 +96,7 @@ def _inl(evidence: Evidence) -> tuple[Shape, ...]:
     """Return the sum of sines of the code that the residual means follow, where it turns often."""
     top = evidence.sensor.camera.full_scale_dn
     x = np.pi * np.clip(evidence.baseline.mean_dn.reshape(evidence.n_blocks, -1) / top, 0.0, 1.0)
-    residual = evidence.space.project(evidence.observed().means)
+    residual = evidence.space.project(evidence.observed_means)
     sines = [evidence.space.project(np.sin(k * x)) for k in range(1, SINES + 1)]
     gram = np.array([[evidence.space.product(a, b) for b in sines] for a in sines])
     along = np.array([evidence.space.product(a, residual) for a in sines])

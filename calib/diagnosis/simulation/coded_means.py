@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.random import default_rng
@@ -35,12 +36,16 @@ def coded_means(
     """
     coded = [e for e in effects if e.stage >= Stage.CODES]
     std = np.sqrt(np.maximum(variance - 1.0 / 12.0, 1e-4))
-    nodes = norm.ppf((np.arange(NODES) + 0.5) / NODES)
-    lines = (mean + nodes[:, None] * std).reshape(NODES, *chain.sensor.sample)
+    lines = (mean + _nodes()[:, None] * std).reshape(NODES, *chain.sensor.sample)
     at = replace(at, line_times_s=np.full(NODES, float(at.line_times_s[0])))
     adc = Adc(chain.sensor.camera.bit_depth)
     moved, plain = (_run(links, lines, at) for links in ((*coded, adc), (adc,)))
     return np.asarray((moved - plain).mean(axis=0).ravel())
+
+
+@lru_cache
+def _nodes() -> Floats:
+    return np.asarray(norm.ppf((np.arange(NODES) + 0.5) / NODES))
 
 
 def _run(links: Sequence[Effect], lines: Floats, at: Conditions) -> Floats:

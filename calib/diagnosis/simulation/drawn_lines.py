@@ -57,8 +57,14 @@ class Drawn:
 
     def rare(self, sensor: Sensor) -> Floats:
         """Return rates of what is counted, (n_blocks, n_rare), noisy pixels' accidents left out."""
-        counts = np.stack([each.counts(sensor.noisy) for each in self.events])
-        return np.asarray(counts / rare_trials(self.drawn, sensor.n_pixels))
+        if sensor.noisy not in self._rare:
+            counts = np.stack([each.counts(sensor.noisy) for each in self.events])
+            self._rare[sensor.noisy] = counts / rare_trials(self.drawn, sensor.n_pixels)
+        return self._rare[sensor.noisy]
+
+    @cached_property
+    def _rare(self) -> dict[tuple[int, ...], Floats]:
+        return {}
 
     @cached_property
     def _pooled(self) -> dict[tuple[int, ...], Floats]:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.baseline.code_counts import fine_blocks
-from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.diagnosis.simulation.drawn_lines import Drawn, drawn_of
@@ -104,14 +103,13 @@ class Responder:
             scatter, counted = scatter_change(sampled, variance, sensor, counts)
             moved, rare = moved + scatter, rare + counted
         trials = rare_trials(self.n_lines, self.chain.sensor.n_pixels)
-        fine = fine_blocks(self.chain.baseline)
         return Change(
             means,
             onset,
             moved,
-            _by_conditions(rare, trials, table),
+            self._by_conditions(rare, trials),
             ratio,
-            _codes([d.codes for d in drawn], plain.codes, (weight + 1) * fine, coded=coded),
+            _codes([d.codes for d in drawn], plain.codes, (weight + 1) * self._fine, coded=coded),
             self._tones_of(tuple(effect for effect in effects if is_tone(effect))),
             np.zeros(len(ratio)),
         )
@@ -198,6 +196,28 @@ class Responder:
         return {}
 
     @cached_property
+    def _fine(self) -> NDArray[np.bool_]:
+        return fine_blocks(self.chain.baseline)
+
+    def _by_conditions(self, rates: Floats, trials: Floats) -> Floats:
+        """Return rates, (n_blocks, n), the smoother the fewer events they are told by."""
+        if not rates.any():
+            return rates
+        smooth = self._smoothing @ rates
+        events = np.abs(rates) * trials
+        return np.asarray((events * rates + FEW_EVENTS * smooth) / (events + FEW_EVENTS))
+
+    @cached_property
+    def _smoothing(self) -> Floats:
+        """What fits blocks' values by exposure and light, (n_blocks, n_blocks)."""
+        table = self.chain.table
+        light = table.dose / max(float(table.dose.max()), 1e-300)
+        exposure = table.exposure_us / float(table.exposure_us.max())
+        of_all = (np.ones_like(light), exposure, light, table.dark.astype(float))
+        design = np.stack(of_all, axis=1)
+        return np.asarray(design @ np.linalg.pinv(design))
+
+    @cached_property
     def _plain(self) -> dict[tuple[int, bool], Drawn]:
         return {}
 
@@ -211,13 +231,3 @@ def _codes(drawn: Sequence[Floats], plain: Floats, weight: Floats, *, coded: boo
     if coded and weight.any():
         return np.asarray(np.average(_mean(drawn) - plain, 0, weight))[None]
     return np.zeros((2, plain.shape[1]))
-
-
-def _by_conditions(rates: Floats, trials: Floats, table: ConditionsTable) -> Floats:
-    """Return rates, (n_blocks, n), the smoother the fewer events they are told by."""
-    light = table.dose / max(float(table.dose.max()), 1e-300)
-    exposure = table.exposure_us / float(table.exposure_us.max())
-    design = np.stack([np.ones_like(light), exposure, light, table.dark.astype(float)], axis=1)
-    smooth = np.asarray(design @ np.linalg.lstsq(design, rates, rcond=None)[0])
-    events = np.abs(rates) * trials
-    return np.asarray((events * rates + FEW_EVENTS * smooth) / (events + FEW_EVENTS))

@@ -65,6 +65,10 @@ class RareEvents:
         What a pixel does that is noisy in all of a recording is no accident of single samples,
         though it may stand out but once in a block: single samples of `noisy` pixels do not count.
         """
+        if len(self.kind) == 0:
+            counts = np.zeros(len(RARE))
+            counts[len(SINGLE) : len(SINGLE) + 2] = self.often, self.repeated
+            return counts
         single = self.kind[~np.isin(self.pixel, noisy)] if len(noisy) else self.kind
         counts = np.bincount(single, minlength=len(RARE)).astype(np.float64)
         counts[len(SINGLE) : len(SINGLE) + 2] = self.often, self.repeated
