@@ -30,7 +30,7 @@ class Drawn:
         events: What is counted in each block.
         drawn: Lines that were drawn of each block.
         ratio: Each pixel's variance over what is expected, (n_blocks, n_pixels).
-        codes: Shares of samples by code, (n_blocks, n_codes).
+        codes: Shares of samples by code, (n_blocks, n_codes); (n_blocks, 1) where there are none.
         means: Of each pixel, DN, (n_blocks, n_pixels).
     """
 
@@ -138,9 +138,9 @@ def _rare(
 
 
 def _shares(lines: Floats, again: NDArray[np.bool_], sensor: Sensor, *, coded: bool) -> Floats:
-    n_codes = sensor.camera.full_scale_dn + 1
     if not coded:
-        return np.zeros((len(lines), n_codes))
+        return np.zeros((len(lines), 1))
+    n_codes = sensor.camera.full_scale_dn + 1
     found = []
     for each, skip in zip(lines, again, strict=True):
         codes = each[~skip].ravel().astype(np.int64)

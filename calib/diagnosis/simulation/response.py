@@ -227,7 +227,7 @@ def _mean(values: Sequence[Floats]) -> Floats:
 
 
 def _codes(drawn: Sequence[Floats], plain: Floats, weight: Floats, *, coded: bool) -> Floats:
-    """Return the change of code shares, (1, n_codes), or nothing in two draws."""
+    """Return the change of code shares, (1, n_codes), or nothing in two draws, (2, 1)."""
     if coded and weight.any():
         return np.asarray(np.average(_mean(drawn) - plain, 0, weight))[None]
-    return np.zeros((2, plain.shape[1]))
+    return np.zeros((2, 1))

@@ -27,7 +27,7 @@ class Change:
         tones: Of squared amplitudes at the peaks of the spectrum, DN^2, (n_blocks, n_tones).
         monitor: Of the logarithm of what the monitor reads in each block, (n_blocks,).
         codes: Of the share of samples by code, (1 or 2 draws, n_codes); where only effects before
-            the conversion change anything, means and variances say it all, and this is 0.
+            the conversion change anything, means and variances say it all, and this is 0, (2, 1).
     """
 
     means: Floats

@@ -39,17 +39,22 @@ def nearest_name(case: Case, sight: Sequence[float]) -> list[tuple[float, str]]:
     """
     setting = _brief(case.setting)
     plain = list(expected(setting, ()))
-    others = [(one.name, signature(one, plain, setting)) for one in _candidates(setting)]
+    own = [signature(one, plain, setting) for one in case.mechanisms]
+    others = []
+    if any(mine.any() for mine in own):
+        others = [(one.name, signature(one, plain, setting)) for one in _candidates(setting)]
     found = []
-    for one, seen in zip(case.mechanisms, sight, strict=True):
-        mine = signature(one, plain, setting)
+    for one, mine, seen in zip(case.mechanisms, own, sight, strict=True):
+        if not mine.any():
+            found.append((inf, ""))
+            continue
         alike = [(x.name, signature(x, plain, setting)) for x in _of_the_same_course(one, setting)]
         distances = [
             (seen * _sine(mine, other), name)
             for name, other in (*others, *alike)
             if name != one.name
         ]
-        found.append(min(distances) if mine.any() and distances else (inf, ""))
+        found.append(min(distances, default=(inf, "")))
     return found
 
 
