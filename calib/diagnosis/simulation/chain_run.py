@@ -8,7 +8,6 @@ effects of codes: rounding would hide small changes of a single sample.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from zlib import crc32
 
 import numpy as np
 from numpy.random import Generator, default_rng
@@ -27,8 +26,8 @@ from calib.diagnosis.baseline.fitted_links import (
 )
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
-from calib.diagnosis.simulation.designed_noise import DesignedNoise, Prepared
-from calib.diagnosis.simulation.designed_normals import SOURCES, designed_normals
+from calib.diagnosis.simulation.chain_noise import KEPT_SAMPLES, NOISY_LINKS, ChainNoise
+from calib.diagnosis.simulation.designed_noise import Prepared
 from calib.diagnosis.simulation.side_by_side import carried_together
 from calib.diagnosis.simulation.stack import Stack
 from calib.forward.chain import without_noise
@@ -42,10 +41,7 @@ from calib.kernels.noisy_signal import noisy_signal
 
 Floats = NDArray[np.float64]
 _UNUSED = default_rng(0)
-_NOISE = ("shot_noise", "read_noise")
-_TO_DN = (*_NOISE, "system_gain", "offset")
-KEPT_SAMPLES = 1 << 22
-"""A signal of so many samples is kept for the next run; a longer one is made anew."""
+_TO_DN = (*NOISY_LINKS, "system_gain", "offset")
 
 
 @dataclass(frozen=True)
@@ -57,12 +53,23 @@ class FittedChain:
         table: The blocks' conditions.
         sensor: The sensor.
         seed: Of all generators.
+        known_noise: What was drawn for the links already.
     """
 
     baseline: Baseline
     table: ConditionsTable
     sensor: Sensor
     seed: int = 0
+    known_noise: ChainNoise | None = None
+
+    @cached_property
+    def noise(self) -> ChainNoise:
+        """The noise of the links, which does not hang on the baseline."""
+        return self.known_noise or ChainNoise(self.table, self.sensor, self.seed)
+
+    def about(self, baseline: Baseline) -> "FittedChain":
+        """Return the chain of another baseline with the same noise."""
+        return replace(self, baseline=baseline, known_noise=self.noise)
 
     @cached_property
     def links(self) -> tuple[Effect, ...]:
@@ -146,7 +153,7 @@ class FittedChain:
 
     def noise_free(self, stack: Stack, effects: Sequence[Effect], draw: int) -> Floats:
         """Return the mean DN, (n_lines, n_pixels); effects of single events have these drawn."""
-        links = [x for x in self._chain(effects) if x.name not in _NOISE and x.name != "adc"]
+        links = [x for x in self._chain(effects) if x.name not in NOISY_LINKS and x.name != "adc"]
         return self.run(stack, links, draw, noise=0.0).reshape(stack.n_lines, -1)
 
     def drawn(
@@ -162,19 +169,11 @@ class FittedChain:
 
     def has_events(self, effect: Effect) -> bool:
         """Return whether chance has a part in an effect: noise that moments do not tell."""
-        if not effect.stochastic:
-            return False
-        if effect.name not in self._events:
-            at, shape = self.table.at(0, np.arange(2.0)), (2, *self.sensor.sample)
-            rng = DesignedNoise([self.seed], shape, (0,), 0, noise=1.0)
-            effect.apply(np.full(shape, 100.0), at, rng)
-            self._events[effect.name] = rng.events
-        return self._events[effect.name]
+        return self.noise.has_events(effect)
 
     def has_noise(self, effect: Effect) -> bool:
         """Return whether an effect adds noise of its own that moments tell."""
-        divides = getattr(effect, "partition_noise", 1.0) > 0.0
-        return effect.stochastic and divides and not self.has_events(effect)
+        return self.noise.has_noise(effect)
 
     def _chain(self, effects: Sequence[Effect]) -> tuple[Effect, ...]:
         return tuple(sorted((*self.links, *effects), key=place_of))
@@ -205,7 +204,7 @@ class FittedChain:
         assert isinstance(read, PixelReadNoise)  # noqa: S101 - so the links are made
         assert isinstance(gain, PixelGain)  # noqa: S101
         assert isinstance(offset, PixelOffset)  # noqa: S101
-        one, other = (self._normals(stack, link, draw) for link in (shot, read))
+        one, other = (self.noise.normals(stack, link, draw) for link in (shot, read))
         return noisy_signal(charge, one, other, read.std_e, gain.dn_per_e, offset.dn)
 
     def _before(
@@ -242,14 +241,14 @@ class FittedChain:
             light = [link.seen(a) for a in at]
             return np.asarray(signal + stack.by_line(light, signal.ndim))
         if isinstance(link, FittedLink):
-            rng = Prepared(self._normals(stack, link, draw)) if link.stochastic else _UNUSED
+            rng = Prepared(self.noise.normals(stack, link, draw)) if link.stochastic else _UNUSED
             return np.asarray(link.apply(signal, at[0], rng), np.float64)
         if link.by_signal:
             rng = self._rng(link, stack.blocks, draw, signal.shape, noise)
             return np.asarray(link.apply(signal, at[0], rng), np.float64)
         if isinstance(link, LineByLine) and link.stochastic:
             each = [
-                self._designed(link, (b,), draw, signal[where].shape, noise)
+                self.noise.of_effect(link, (b,), draw, signal[where].shape, noise)
                 for b, where in zip(stack.blocks, stack.parts, strict=True)
             ]
             return carried_together(link, signal, stack.parts, at, each, noise=noise)
@@ -258,22 +257,6 @@ class FittedChain:
             rng = self._rng(link, (b,), draw, signal[where].shape, noise)
             after[where] = link.apply(signal[where], a, rng)
         return after
-
-    def _normals(self, stack: Stack, link: Effect, draw: int) -> Floats:
-        """Return the normal numbers of a noisy link, (n_lines, *sample)."""
-        key, source = (stack.key, link.name, draw), _NOISE.index(link.name)
-        if key in self._numbers:
-            return self._numbers[key]
-        sample = self.sensor.sample
-        found = np.concatenate(
-            [
-                designed_normals(a.n_lines, sample, b + 13 * draw, source)
-                for b, a in zip(stack.blocks, stack.at, strict=True)
-            ]
-        )
-        if found.size <= KEPT_SAMPLES:
-            self._numbers[key] = found
-        return found
 
     def _rng(
         self,
@@ -285,28 +268,10 @@ class FittedChain:
     ) -> Generator:
         if not link.stochastic:
             return _UNUSED
-        return self._designed(link, blocks, draw, shape, noise)
-
-    def _designed(
-        self,
-        link: Effect,
-        blocks: Sequence[int],
-        draw: int,
-        shape: tuple[int, ...],
-        noise: float,
-    ) -> DesignedNoise:
-        name = crc32(link.name.encode())
-        # Sources of noise beyond the baseline's own take arrays of their own.
-        source, which = SOURCES * (1 + name % 5), [b + 13 * draw for b in blocks]
-        seed = [self.seed, name, blocks[0], draw]
-        return DesignedNoise(seed, shape, which, source, noise=noise)
+        return self.noise.of_effect(link, blocks, draw, shape, noise)
 
     @cached_property
     def _kept(self) -> dict[tuple[str, tuple[str, ...], int], tuple[bool, Floats]]:
-        return {}
-
-    @cached_property
-    def _numbers(self) -> dict[tuple[str, str, int], Floats]:
         return {}
 
     @cached_property
@@ -315,10 +280,6 @@ class FittedChain:
 
     @cached_property
     def _seen(self) -> dict[tuple[int, int], Conditions]:
-        return {}
-
-    @cached_property
-    def _events(self) -> dict[str, bool]:
         return {}
 
     @cached_property

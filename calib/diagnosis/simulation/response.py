@@ -57,7 +57,7 @@ class Responder:
         """Return what adds effects to the links of `baseline`, and compares as this one does."""
         if baseline is self.chain.baseline:
             return self
-        return replace(self, chain=replace(self.chain, baseline=baseline), plain=self.plain or self)
+        return replace(self, chain=self.chain.about(baseline), plain=self.plain or self)
 
     @cached_property
     def n_lines(self) -> int:

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -35,6 +36,18 @@ def fitted(kind: type[Departure], evidence: Evidence) -> Model:
     assert one is not None
     contest, nothing = Contest((one,), evidence, responder), beside(None, evidence)
     return contest.placed(nothing, None, contest.ranking(nothing)[0])
+
+
+def test_what_is_left_out_has_no_weight_and_all_else_keeps_its_own() -> None:
+    evidence, gone = bent(), np.array([1, 4])
+    fold = evidence.without_blocks(gone)
+    kept = np.ones(evidence.n_blocks, bool)
+    kept[gone] = False
+    alone = replace(fold, of_all=None)
+    for one, other in ((fold.pooled_std, alone.pooled_std), (fold.onset_std, alone.onset_std)):
+        assert np.array_equal(one[kept], other[kept])
+    assert np.isinf(fold.pooled_std[gone]).all()
+    assert np.array_equal(fold.rare_space.weights, alone.rare_space.weights)
 
 
 def test_each_block_is_left_out_once() -> None:
