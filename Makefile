@@ -67,7 +67,7 @@ lock:
 	$(PYTHON) -m venv .lock-venv
 	.lock-venv/bin/pip install --quiet pip-tools
 	{ echo '# Written by `make lock`: every package by version and hash, no host by name.'; \
-	  $(COMPILE) --extra aravis --extra dev pyproject.toml | grep -v '^--'; } > requirements.lock.new
+	  $(COMPILE) --extra aravis --extra bluesky --extra dev pyproject.toml | grep -v '^--'; } > requirements.lock.new
 	mv requirements.lock.new requirements.lock
 	{ echo '# Written by `make lock`, from peers.in: every package by version and hash, no host by name.'; \
 	  $(COMPILE) benchmarks/peers.in | grep -v '^--'; } > benchmarks/peers.lock.new
