@@ -46,6 +46,10 @@ class Departure(Effect):
     """The statistic in which it is seen first."""
     depends_on: ClassVar[tuple[Variable, ...]]
     """The variables that it follows, the telling one first."""
+    any_law: ClassVar[Variable | None] = None
+    """Of which it may be another function than the formula's, as its physics leaves that open."""
+    smooth_law: ClassVar[Variable | None] = None
+    """Likewise, but a smooth one."""
 
     @classmethod
     def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:  # noqa: ARG003

@@ -19,8 +19,8 @@ from calib.diagnosis.diagnose import responder_of
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
-from calib.diagnosis.naming.courses import course, is_free
 from calib.diagnosis.naming.judgement import temper
+from calib.diagnosis.naming.laws import DEGREE, laws
 from calib.diagnosis.naming.model import Member
 from calib.diagnosis.naming.signatures import change_of
 from calib.diagnosis.simulation.response import Responder
@@ -76,10 +76,13 @@ def _directions(member: Member, evidence: Evidence, responder: Responder) -> lis
         effect = replace(member, inner=inner).effect
         point = evidence.point(change_of((effect,), evidence, responder))
         found.append((point - whole) * (1.0 / STEP))
-    if is_free(member.signature):
-        length = float(np.sqrt(evidence.product(whole, whole)))
-        there = replace(member.signature, change=change, point=whole, length=length)
-        found += [point for _, point in course(there, whole, evidence)] if length > 0 else []
+    if member.effect.any_law == "time":
+        open_to = laws(replace(member.signature, change=change, point=whole), evidence)
+        parts = [evidence.point(each) for each in open_to.parts]
+        # A drift may come and go; that it steps is not what a plan has to allow for.
+        for power in open_to.functions[:DEGREE]:
+            terms = [part * float(much) for part, much in zip(parts, power, strict=True)]
+            found.append(sum(terms[1:], terms[0]))
     return found
 
 

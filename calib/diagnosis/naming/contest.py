@@ -16,7 +16,8 @@ import numpy as np
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
-from calib.diagnosis.naming.courses import PRICE, course, is_free
+from calib.diagnosis.naming.courses import PRICE, course
+from calib.diagnosis.naming.laws import is_free
 from calib.diagnosis.naming.model import Member, Model
 from calib.diagnosis.naming.refit import misfit, refitted
 from calib.diagnosis.naming.scores import Score, best_by_name, scores, sharpened
@@ -28,7 +29,7 @@ from calib.diagnosis.statistics.change import Change
 INNER_RANGE = log(100.0)
 """Inner parameters are as likely at every logarithm within two decades."""
 WORTH_FREEING = 16.0
-"""Deviance, after its price, from which on a course is freed: what chance seldom reaches."""
+"""Deviance, after its price, from which on a law is freed: what chance seldom reaches."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Contest:
         signatures: Of all effects.
         evidence: What they are to explain.
         responder: Takes signatures anew.
-        free: Whether courses in time are left free where that is worth its price.
+        free: Whether laws are left free where that is worth its price.
     """
 
     signatures: tuple[Signature, ...]
@@ -79,10 +80,10 @@ class Contest:
         return sorted(freed, key=lambda score: -score.net)
 
     def _freed(self, score: Score, residual: Point, basis: Sequence[Point]) -> Score:
-        """Return the score with its course in time left free where that is worth its price."""
+        """Return the score with its law left free where that is worth its price."""
         if not self.free or score.gain <= WORTH_FREEING or not is_free(score.signature):
             return score
-        parts = course(score.signature, residual, self.evidence)
+        parts = course(score.signature, residual, basis, self.evidence)
         beside = [*basis, *orthonormal([without(score.signature.point, basis, self.evidence)],
                                        self.evidence)]  # fmt: skip
         free = orthonormal([without(p, beside, self.evidence) for _, p in parts], self.evidence)

@@ -1,71 +1,105 @@
-"""Courses in time that no shape of a drift has: each block's part of it, times a smooth function.
+"""Fits effects whose law is left free: which of the functions that are open, and how much of each.
 
 A drift that comes and goes, or steps, is still one of lamp, gain or offset: what it does to pixels,
-and to their noise, tells which. Beside the shape of the catalogue that fits best, its course over
-wall time is left free up to a polynomial and a step, whose coefficients are fitted and have their
-price.
+and to their noise, tells which. Beside the shape of the catalogue that fits best, functions that
+`laws` yields are added one by one, each while it is worth its price.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.polynomial.legendre import legvander
+from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
+from calib.diagnosis.evidence.projection import orthonormal, without
+from calib.diagnosis.naming.laws import Laws, laws
 from calib.diagnosis.naming.model import Member
 from calib.diagnosis.naming.signatures import Signature
 from calib.diagnosis.statistics.change import Change
 
-DEGREE = 5
-"""Of the polynomial: it comes and goes twice."""
-PRICE = 6.0
-"""Deviance of each coefficient: 2 ln(W / (s sqrt(2 pi))), s a fiftieth of the range W."""
+Floats = NDArray[np.float64]
+
+PRICE = 12.0
+"""Deviance of each function: 2 ln(W / (s sqrt(2 pi))) = 6 of its coefficient, s a fiftieth of the
+range W, and 2 ln(20) = 6 of the choice among some twenty."""
 NEW = 1e-3
-"""Of a part's squared length, that the parts before it do not have."""
-
-
-def is_free(signature: Signature) -> bool:
-    """Return whether an effect has a course in time that may be another one."""
-    effect = signature.shape.template
-    return signature.shape.two_sided and effect.shows_in == "mean" and "time" in effect.depends_on
+"""Of a function's squared length, that those before it do not have."""
 
 
 def course(
-    signature: Signature, residual: Point, evidence: Evidence
+    signature: Signature, residual: Point, beside: Sequence[Point], evidence: Evidence
 ) -> tuple[tuple[Change, Point], ...]:
-    """Return changes, and their orthonormal points, that free an effect's course.
+    """Return changes, and their points, that free an effect's law.
 
-    They are orthogonal to the signature itself, whose strength stays what it is. The last is the
-    step that explains most of `residual`.
+    They are orthogonal to the signature itself, whose strength stays what it is, and are those that
+    explain most of `residual`.
+
+    Args:
+        signature: Of the shape that fits best.
+        residual: What is to be explained, the signature's part with it.
+        beside: Orthonormal directions in which other effects can adapt.
+        evidence: The recording.
     """
-    time = evidence.table.mid_s - evidence.table.mid_s.min()
-    powers = legvander(2.0 * time / max(float(time.max()), 1e-300) - 1.0, DEGREE)[:, 1:]
-    one = _normal(signature.change, signature.point, signature.length)
-    found: list[tuple[Change, Point]] = [one]
-    for power in powers.T:
-        found += _rest(_scaled(signature.change, power), found, evidence)
-    steps = (np.where(time > when, 1.0, -1.0) for when in np.sort(time)[:-1])
-    rests = [_rest(_scaled(signature.change, step), found, evidence) for step in steps]
-    news = [rest[0] for rest in rests if rest]
-    if news:
-        found.append(max(news, key=lambda new: abs(evidence.product(new[1], residual))))
+    own = _normal(signature.change, signature.point, signature.length)
+    taken = [*beside, *orthonormal([without(own[1], beside, evidence)], evidence)]
+    open_to = laws(signature, evidence)
+    points = [evidence.point(each) for each in open_to.parts]
+    rests = [without(point, taken, evidence) for point in points]
+    chosen = _chosen(
+        open_to,
+        _gram(points, evidence),
+        _gram(rests, evidence),
+        np.array([evidence.product(each, residual) for each in rests]),
+    )
+    found = [own]
+    for much in chosen:
+        change, point = signature.change * 0.0, signature.point * 0.0
+        for share, part, direction in zip(much, open_to.parts, points, strict=True):
+            change, point = change + part * float(share), point + direction * float(share)
+        found += _rest(change, point, found, evidence)
     return tuple(found[1:])
 
 
+def _gram(points: Sequence[Point], evidence: Evidence) -> Floats:
+    return np.array([[evidence.product(a, b) for b in points] for a in points])
+
+
+def _chosen(open_to: Laws, whole: Floats, rest: Floats, along: Floats) -> list[Floats]:
+    """Return the functions, (n_parts,) each, that are worth their price, the best first.
+
+    Args:
+        open_to: What may be chosen.
+        whole: Inner products of the parts, (n_parts, n_parts).
+        rest: The same without what others can adapt to.
+        along: The parts' products with what is to be explained, (n_parts,).
+    """
+    functions, most = open_to.functions, open_to.most
+    lengths2 = np.einsum("fi,ij,fj->f", functions, whole, functions)
+    left, found = functions.copy(), []
+    for _ in range(most):
+        news = np.einsum("fi,ij,fj->f", left, rest, left)
+        fine = news > NEW * np.maximum(lengths2, 1e-300)
+        gains = np.where(fine, (left @ along) ** 2 / np.where(fine, news, 1.0), 0.0)
+        if gains.max(initial=0.0) <= PRICE:
+            break
+        best = int(np.argmax(gains))
+        one = left[best] / np.sqrt(news[best])
+        found.append(functions[best])
+        left = left - np.outer(left @ rest @ one, one)
+    return found
+
+
 def _rest(
-    change: Change, found: Sequence[tuple[Change, Point]], evidence: Evidence
+    change: Change, point: Point, found: Sequence[tuple[Change, Point]], evidence: Evidence
 ) -> list[tuple[Change, Point]]:
     """Return the normalised part of a change that is new beside what was found; [] if none is."""
-    point = evidence.point(change)
-    length2 = evidence.product(point, point)
     for other, direction in found:
         along = evidence.product(direction, point)
         change, point = change - other * along, point - direction * along
     left = evidence.product(point, point)
-    fine = left > NEW * max(length2, 1e-300)
-    return [_normal(change, point, float(np.sqrt(left)))] if fine else []
+    return [_normal(change, point, float(np.sqrt(left)))] if left > 0 else []
 
 
 def _normal(change: Change, point: Point, length: float) -> tuple[Change, Point]:
@@ -75,7 +109,7 @@ def _normal(change: Change, point: Point, length: float) -> tuple[Change, Point]
 def with_courses(
     members: Sequence[Member], residual: Point, evidence: Evidence
 ) -> tuple[Member, ...]:
-    """Return the members with their free courses fitted to what their shapes leave."""
+    """Return the members with their free laws fitted to what their shapes leave."""
     parts = [point for m in members for _, point in m.course]
     if not parts:
         return tuple(members)
@@ -86,20 +120,9 @@ def with_courses(
 
 
 def freed(members: Sequence[Member], like: Change) -> Change:
-    """Return what free courses change beyond the shapes."""
+    """Return what free laws change beyond the shapes."""
     total = like * 0.0
     for member in members:
         for (change, _), much in zip(member.course, member.course_fit, strict=True):
             total = total + change * much
     return total
-
-
-def _scaled(change: Change, by_block: np.ndarray[tuple[int], np.dtype[np.float64]]) -> Change:
-    """Return the change of means and pooled statistics, each block's times a factor."""
-    nothing = change * 0.0
-    return replace(
-        nothing,
-        means=change.means * by_block[:, None],
-        pooled=change.pooled * by_block[:, None],
-        monitor=change.monitor * by_block,
-    )

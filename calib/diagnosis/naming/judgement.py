@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 from math import exp
+from typing import NamedTuple
 
 from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.model import Model
+from calib.diagnosis.naming.refit import misfit
 
 TEMPLATE_ERROR = 0.03
 """By how much of its length a fitted signature errs, in any direction that parts two names."""
@@ -31,6 +33,18 @@ class Candidate:
     gain: float
 
 
+class Explained(NamedTuple):
+    """What a name explains in the place of a finding, as deviance, and its price."""
+
+    deviance: float
+    price: float
+
+    @property
+    def net(self) -> float:
+        """What is left of it after the price."""
+        return self.deviance - self.price
+
+
 def temper(gain: float, error: float = TEMPLATE_ERROR) -> float:
     """Return by which factor differences of deviance count, of a finding that explains `gain`.
 
@@ -44,32 +58,40 @@ def temper(gain: float, error: float = TEMPLATE_ERROR) -> float:
 
 def candidates_of(k: int, model: Model, contest: Contest) -> tuple[Candidate, ...]:
     """Return the names that member `k` of the model could have, the likeliest first."""
-    return told(nets_of(k, model, contest), temper(contest.own_gain(model, k)))
+    return told(explained_by(k, model, contest), temper(contest.own_gain(model, k)))
 
 
-def nets_of(k: int, model: Model, contest: Contest) -> dict[str, float]:
-    """Return what each name would explain in the place of member `k`, after its price."""
+def explained_by(k: int, model: Model, contest: Contest) -> dict[str, Explained]:
+    """Return what each name would explain in the place of member `k`, and its price."""
     member, gain = model.members[k], contest.own_gain(model, k)
-    own = gain - contest.price_of(member)
-    ranked = contest.ranking(model, k, worth=own - 2.0 * CLOSE / temper(gain))
-    nets = {member.signature.shape.name: own}
-    now = contest.penalised(model)
+    own = Explained(gain, contest.price_of(member))
+    ranked = contest.ranking(model, k, worth=own.net - 2.0 * CLOSE / temper(gain))
+    found = {member.signature.shape.name: own}
+    left, now = misfit(model, contest.evidence), contest.penalised(model)
     for n, score in enumerate(ranked):
-        net = score.net
-        if n < MOST_FITTED and temper(gain) * (own - net) < CLOSE:
-            net = own + now - contest.penalised(contest.placed(model, k, score))
+        each = Explained(score.gain, score.gain - score.net)
+        if n < MOST_FITTED and temper(gain) * (own.net - score.net) < CLOSE:
+            fitted = contest.placed(model, k, score)
+            deviance = gain + left - misfit(fitted, contest.evidence)
+            each = Explained(deviance, deviance - own.net - now + contest.penalised(fitted))
         # The search has found nothing that is better, and what is not fitted is no proof of it.
-        nets[score.name] = min(net, own)
-    return nets
+        better = max(each.net - own.net, 0.0)
+        found[score.name] = Explained(each.deviance - better, each.price)
+    return found
 
 
-def told(nets: dict[str, float], tempered: float) -> tuple[Candidate, ...]:
-    """Return the likeliest names and their probabilities."""
-    top = max(nets.values())
-    weights = {n: exp(0.5 * tempered * (v - top)) for n, v in nets.items()}
+def told(explained: dict[str, Explained], tempered: float) -> tuple[Candidate, ...]:
+    """Return the likeliest names and their probabilities.
+
+    Errors of signatures temper what is explained; a price, the odds before anything was seen and
+    what freedom costs, they do not.
+    """
+    odds = {name: 0.5 * (tempered * one.deviance - one.price) for name, one in explained.items()}
+    top = max(odds.values())
+    weights = {name: exp(each - top) for name, each in odds.items()}
     total = sum(weights.values())
     found = sorted(
-        (Candidate(n, w / total, nets[n]) for n, w in weights.items()),
+        (Candidate(name, w / total, explained[name].net) for name, w in weights.items()),
         key=lambda candidate: -candidate.probability,
     )
     kept: list[Candidate] = []

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.imperfection import left_by_errors
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.remainder import unexplained_deviance
 from calib.diagnosis.naming.scores import Score
@@ -19,9 +20,6 @@ from calib.diagnosis.naming.support import supported
 THRESHOLD = 16.0
 """Deviance, after its penalty, that chance alone reaches in about two of a hundred recordings."""
 MOST_EFFECTS = 4
-IMPERFECT = 0.002
-"""Of the deviance that a strong effect explains so much may be left: a signature that errs by e of
-its length leaves e^2, and e is about 0.03 (see `calib.diagnosis.naming.judgement`); twice that."""
 CLOSE = 25.0
 """Names within so much deviance of the best one may be better once they are fitted."""
 CLOSE_SHARE = 0.15
@@ -37,8 +35,8 @@ BETTER = 4.0
 def find(contest: Contest, nothing: Model) -> Model:
     """Return the effects that explain the recording better than chance, jointly fitted.
 
-    Where one shape of the catalogue does not explain all, courses in time are left free in a
-    search of its own: one name whose course is free may be simpler than several names.
+    Where one shape of the catalogue does not explain all, laws are left free (see `laws`) in a
+    search of its own: one name whose law is free may be simpler than several names.
 
     Args:
         contest: What is looked for.
@@ -48,8 +46,9 @@ def find(contest: Contest, nothing: Model) -> Model:
     left = unexplained_deviance(model, contest.evidence)
     if len(model.members) > 1 or left > 0.0:
         freed = _searched(replace(contest, free=True), nothing)
-        # A course that may be any other has no excuse for what it leaves.
-        if unexplained_deviance(freed, contest.evidence) == 0.0:
+        # A law that may be any other has no excuse for what it leaves.
+        plain = not any(m.course for m in freed.members)
+        if plain or unexplained_deviance(freed, contest.evidence) == 0.0:
             model = min((model, freed), key=lambda m: _cost(m, contest))
     return supported(model, contest)
 
@@ -60,21 +59,29 @@ def _cost(model: Model, contest: Contest) -> float:
 
 def _searched(contest: Contest, nothing: Model) -> Model:
     """Return the effects that are found one after the other, each put to the test at the end."""
-    model, most, tested = nothing, 0.0, False
+    model, tested = nothing, False
     while True:
-        ranked = contest.ranking(model, worth=THRESHOLD / 2)
-        full = len(model.members) >= MOST_EFFECTS
-        if full or not ranked or ranked[0].net < max(THRESHOLD, IMPERFECT * most):
+        ranked = _beyond_errors(contest.ranking(model, worth=THRESHOLD / 2), model, contest)
+        if len(model.members) >= MOST_EFFECTS or not ranked:
             settled = _pruned(_exchanged(model, contest), contest)
             if settled is model or tested:
                 return settled
             model, tested = settled, True
             continue
-        most = max(most, ranked[0].gain)
         grown = _pruned(_best_placed(model, None, ranked, contest), contest)
         if contest.penalised(grown) > contest.penalised(model) - THRESHOLD:
             return model
         model = grown
+
+
+def _beyond_errors(ranked: Sequence[Score], model: Model, contest: Contest) -> list[Score]:
+    """Return names that explain more than chance, and than errors of the effects found leave."""
+    return [
+        score
+        for score in ranked
+        if score.net > THRESHOLD
+        and score.net > left_by_errors(score.signature.point, model, contest.evidence)
+    ]
 
 
 def _best_placed(model: Model, k: int | None, ranked: Sequence[Score], contest: Contest) -> Model:

@@ -25,11 +25,13 @@ least, -9, at G = 9."""
 
 def supported(model: Model, contest: Contest) -> Model:
     """Return the model without names that do not hold."""
+    never = unexplained_deviance(model, contest.evidence)
     while model.members:
         left = unexplained_deviance(model, contest.evidence)
         gains = [_gain(k, model, contest) for k in range(len(model.members))]
         least = int(np.argmin(gains))
-        if gains[least] >= LEAST_RATIO * left:
+        # What a name has explained that was dropped is no remainder like what no name explains.
+        if gains[least] >= max(LEAST_RATIO * min(left, never), left):
             wrong = _mispredicting(model, contest.evidence)
             if wrong is None:
                 return model

@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 
 SINES = 12
 """Of a converter's nonlinearity."""
-TURNS = 3
+TURNS = 2
 """A smooth error of the code turns so often at least; what bends once or twice is the signal's."""
 CLEAR_SIGMA = 3.0
 """Between two turns it moves by so much at least."""

@@ -45,6 +45,7 @@ class AdcInl(Departure):
     )
     shows_in: ClassVar[Statistic] = "mean"
     depends_on: ClassVar[tuple[Variable, ...]] = ("code",)
+    any_law: ClassVar[Variable | None] = "code"
 
     bow_dn: float = parameter(0.0, unit="DN", low=-1e3, high=1e3, neutral=0.0)
     s_dn: float = parameter(1.0, unit="DN", low=-1e3, high=1e3, neutral=0.0)

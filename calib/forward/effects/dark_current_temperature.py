@@ -45,6 +45,7 @@ class DarkCurrentTemperature(Departure):
     )
     shows_in: ClassVar[Statistic] = "mean"
     depends_on: ClassVar[tuple[Variable, ...]] = ("temperature", "exposure")
+    smooth_law: ClassVar[Variable | None] = "temperature"
 
     electrons_per_us: float = parameter(0.01, unit="e-/us", low=0.0, high=1e6, neutral=0.0)
     dsnu_std_e_per_us: float = parameter(0.001, unit="e-/us", low=0.0, high=1e6, neutral=0.0)

@@ -40,6 +40,7 @@ class ExposureOffset(Departure):
     physics: ClassVar[str] = "Each exposure lasts longer than was asked for: t -> t + delta."
     shows_in: ClassVar[Statistic] = "mean"
     depends_on: ClassVar[tuple[Variable, ...]] = ("exposure", "level")
+    any_law: ClassVar[Variable | None] = "exposure"
 
     offset_us: float = parameter(0.5, unit="us", low=-1e6, high=1e6, neutral=0.0)
 

@@ -38,6 +38,7 @@ class GainDrift(Departure):
     )
     shows_in: ClassVar[Statistic] = "mean"
     depends_on: ClassVar[tuple[Variable, ...]] = ("time", "signal")
+    any_law: ClassVar[Variable | None] = "time"
 
     amplitude: float = parameter(0.01, unit="1", low=-0.9, high=10.0, neutral=0.0)
     time_constant_s: float = parameter(300.0, unit="s", low=1e-3, high=1e9)

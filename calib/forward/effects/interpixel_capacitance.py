@@ -45,6 +45,7 @@ class InterpixelCapacitance(Departure):
     )
     shows_in: ClassVar[Statistic] = "column_covariance"
     depends_on: ClassVar[tuple[Variable, ...]] = ("signal", "column")
+    any_law: ClassVar[Variable | None] = "column"
 
     column_coupling: float = parameter(0.005, unit="1", low=0.0, high=0.2, neutral=0.0)
     row_coupling: float = parameter(0.0, unit="1", low=0.0, high=0.2, neutral=0.0)

@@ -39,6 +39,7 @@ class LevelNonadditivity(Departure):
     physics: ClassVar[str] = "n lamps give less than n times one: L -> L (1 - a (n - 1))."
     shows_in: ClassVar[Statistic] = "mean"
     depends_on: ClassVar[tuple[Variable, ...]] = ("level",)
+    any_law: ClassVar[Variable | None] = "level"
 
     loss_per_lamp: float = parameter(0.005, unit="1", low=-0.5, high=0.5, neutral=0.0)
 

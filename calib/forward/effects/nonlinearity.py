@@ -34,6 +34,7 @@ class Nonlinearity(Departure):
     physics: ClassVar[str] = "The output stage bends: DN = s (1 - beta s) of a signal s."
     shows_in: ClassVar[Statistic] = "mean"
     depends_on: ClassVar[tuple[Variable, ...]] = ("signal",)
+    smooth_law: ClassVar[Variable | None] = "signal"
 
     beta_per_dn: float = parameter(2e-6, unit="1/DN", low=-1e-2, high=1e-2, neutral=0.0)
 

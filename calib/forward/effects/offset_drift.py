@@ -37,6 +37,7 @@ class OffsetDrift(Departure):
     )
     shows_in: ClassVar[Statistic] = "mean"
     depends_on: ClassVar[tuple[Variable, ...]] = ("time",)
+    any_law: ClassVar[Variable | None] = "time"
 
     amplitude_dn: float = parameter(1.0, unit="DN", low=-1e5, high=1e5, neutral=0.0)
     time_constant_s: float = parameter(300.0, unit="s", low=1e-3, high=1e9)

@@ -36,6 +36,7 @@ class OffsetTemperature(Departure):
     )
     shows_in: ClassVar[Statistic] = "mean"
     depends_on: ClassVar[tuple[Variable, ...]] = ("temperature",)
+    smooth_law: ClassVar[Variable | None] = "temperature"
 
     dn_per_k: float = parameter(0.2, unit="DN/K", low=-1e4, high=1e4, neutral=0.0)
     reference_c: float = parameter(25.0, unit="degree Celsius", low=-200.0, high=150.0)

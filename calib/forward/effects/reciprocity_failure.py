@@ -39,6 +39,7 @@ class ReciprocityFailure(Departure):
     )
     shows_in: ClassVar[Statistic] = "mean"
     depends_on: ClassVar[tuple[Variable, ...]] = ("level",)
+    smooth_law: ClassVar[Variable | None] = "level"
 
     exponent: float = parameter(0.004, unit="1", low=-0.5, high=0.5, neutral=0.0)
     reference_radiance: float = parameter(10.0, unit="radiance", low=1e-12, high=1e12)

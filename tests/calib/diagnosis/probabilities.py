@@ -21,7 +21,13 @@ import numpy as np
 
 from calib.diagnosis.diagnose import diagnose, responder_of
 from calib.diagnosis.naming.contest import Contest
-from calib.diagnosis.naming.judgement import TEMPLATE_ERROR, nets_of, temper, told
+from calib.diagnosis.naming.judgement import (
+    TEMPLATE_ERROR,
+    Explained,
+    explained_by,
+    temper,
+    told,
+)
 from calib.recording.open import open_recording
 from tests.concealed.generator.answer import take_case
 from tests.concealed.generator.folder import write_folder
@@ -34,9 +40,9 @@ BINS = 5
 
 @dataclass(frozen=True)
 class Found:
-    """What each name explains after its price, what the best does before it, and the truth."""
+    """What each name explains, what the best does, and the truth."""
 
-    nets: dict[str, float]
+    names: dict[str, Explained]
     gain: float
     truth: str
 
@@ -54,19 +60,20 @@ def drawn(origin: str, first: int, count: int) -> Iterator[Found]:
         gains = [contest.own_gain(seen.model, k) for k in range(len(seen.model.members))]
         if gains:
             k = int(np.argmax(gains))
-            nets = nets_of(k, seen.model, contest)
-            yield Found(nets, gains[k], answer.told["effects"][0]["name"])
+            names = explained_by(k, seen.model, contest)
+            yield Found(names, gains[k], answer.told["effects"][0]["name"])
 
 
 def likelihood(found: Sequence[Found], error: float) -> float:
     """Return the logarithm of the probability of all truths that any name could have had."""
     total = 0.0
     for one in found:
-        if one.truth in one.nets:
-            nets = np.array(list(one.nets.values()))
-            scaled = 0.5 * temper(one.gain, error) * (nets - nets.max())
-            own = 0.5 * temper(one.gain, error) * (one.nets[one.truth] - nets.max())
-            total += own - float(np.log(np.exp(scaled).sum()))
+        if one.truth in one.names:
+            tempered = temper(one.gain, error)
+            odds = {n: 0.5 * (tempered * e.deviance - e.price) for n, e in one.names.items()}
+            top = max(odds.values())
+            shares = np.exp([each - top for each in odds.values()])
+            total += odds[one.truth] - top - float(np.log(shares.sum()))
     return total
 
 
@@ -83,7 +90,7 @@ def reliability(found: Sequence[Found], error: float) -> Iterator[tuple[float, S
     said = [
         (candidate.probability, candidate.effect == one.truth)
         for one in found
-        for candidate in told(one.nets, temper(one.gain, error))
+        for candidate in told(one.names, temper(one.gain, error))
     ]
     for k in range(BINS):
         inside = [(p, right) for p, right in said if min(int(p * BINS), BINS - 1) == k]
@@ -97,13 +104,16 @@ def main() -> None:
         origin, first, count, path = sys.argv[2:]
         with Path(path).open("a", encoding="utf-8") as out:
             for one in drawn(origin, int(first), int(count)):
-                out.write(json.dumps([one.nets, one.gain, one.truth]) + "\n")
+                out.write(json.dumps([one.names, one.gain, one.truth]) + "\n")
                 out.flush()
         return
     lines = [line for path in sys.argv[2:] for line in Path(path).read_text("utf-8").splitlines()]
-    found = [Found(*json.loads(line)) for line in lines]
+    found = [
+        Found({name: Explained(*each) for name, each in names.items()}, gain, truth)
+        for names, gain, truth in map(json.loads, lines)
+    ]
     error, off = fit(found[::2])
-    missing = sum(one.truth not in one.nets for one in found)
+    missing = sum(one.truth not in one.names for one in found)
     print(f"{len(found)} findings, {missing} whose true name explains nothing in their place")
     print(f"template error {error:.4f}, times or over {np.exp(off):.2f}; used: {TEMPLATE_ERROR}")
     for stated, right in reliability(found[1::2], TEMPLATE_ERROR):

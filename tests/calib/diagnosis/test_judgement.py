@@ -1,10 +1,15 @@
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.naming.judgement import HELD, temper, told
+from calib.diagnosis.naming.judgement import HELD, Explained, temper, told
 from tests.calib.diagnosis.probabilities import Found, fit, reliability
 
 ERROR = 0.05
+
+
+def free(deviances: dict[str, float]) -> dict[str, Explained]:
+    """Return names without a price."""
+    return {name: Explained(deviance, 0.0) for name, deviance in deviances.items()}
 
 
 def findings(n: int) -> list[Found]:
@@ -16,7 +21,7 @@ def findings(n: int) -> list[Found]:
         apart = gain * float(rng.uniform(0.0, 0.1))
         scatter = 2.0 * np.sqrt(apart * (1.0 + ERROR**2 * gain))
         ahead = apart + scatter * float(rng.standard_normal())
-        found.append(Found({"true": gain, "false": gain - ahead}, gain, "true"))
+        found.append(Found(free({"true": gain, "false": gain - ahead}), gain, "true"))
     return found
 
 
@@ -35,16 +40,24 @@ def test_probabilities_are_kept_where_signatures_err_as_is_believed() -> None:
 
 
 def test_names_are_told_until_they_make_up_nearly_all_and_three_at_most() -> None:
-    alone = told({"a": 100.0, "b": 60.0, "c": 50.0}, 1.0)
+    alone = told(free({"a": 100.0, "b": 60.0, "c": 50.0}), 1.0)
     assert [each.effect for each in alone] == ["a"]
-    alike = told({"a": 100.0, "b": 99.0, "c": 98.0, "d": 97.0}, 1.0)
+    alike = told(free({"a": 100.0, "b": 99.0, "c": 98.0, "d": 97.0}), 1.0)
     assert [each.effect for each in alike] == ["a", "b", "c"]
-    assert told({"a": 100.0, "b": 0.0}, 1e-6)[1].probability > 0.49
+    assert told(free({"a": 100.0, "b": 0.0}), 1e-6)[1].probability > 0.49
 
 
 def test_names_that_explain_far_less_have_no_probability_however_strong_the_finding_is() -> None:
     gain = 2.4e7
     nets = {"adc_dnl": gain, "stuck_bit": 0.7 * gain, "lamp_drift": 30.0, "cti": -np.inf}
-    found = told(nets, temper(gain))
+    found = told(free(nets), temper(gain))
     assert [each.effect for each in found] == ["adc_dnl"]
+    assert found[0].probability > HELD
+
+
+def test_a_name_that_needs_more_freedom_is_less_likely_however_coarse_signatures_are() -> None:
+    gain = 1e6
+    dear, cheap = Explained(gain, 48.0), Explained(gain, 12.0)
+    found = told({"dear": dear, "cheap": cheap}, temper(gain))
+    assert found[0].effect == "cheap"
     assert found[0].probability > HELD
