@@ -1,7 +1,7 @@
 """Diagnoses a recording: what the plain model lacks, what it is called, how much of it there is."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from calib.diagnosis.naming.grids import Scales
 from calib.diagnosis.naming.heldout import HeldOutDeviances
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.remainder import CERTAIN_SIGMA, looks_at, worst
-from calib.diagnosis.naming.search import find
+from calib.diagnosis.naming.search import as_found, find
 from calib.diagnosis.naming.shapes import departures, shapes_of
 from calib.diagnosis.naming.signatures import Signature
 from calib.diagnosis.naming.told_shapes import told_shapes
@@ -124,7 +124,7 @@ def examine(
     unknown = [s for s in signatures if known is None or s.shape.name not in known.names]
     contest = Contest(tuple(unknown), evidence, responder)
     model = find(contest, beside(known, evidence))
-    contest = replace(contest, free=any(m.course for m in model.members))
+    contest = as_found(contest, model)
     heldout = HeldOutDeviances(model, evidence)
     findings = findings_of(model, contest, heldout)
     look, sigma = worst(model, evidence)

@@ -17,7 +17,7 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
 from calib.diagnosis.naming.courses import PRICE, course
-from calib.diagnosis.naming.laws import is_free
+from calib.diagnosis.naming.laws import open_variable
 from calib.diagnosis.naming.model import Member, Model
 from calib.diagnosis.naming.refit import misfit, refitted
 from calib.diagnosis.naming.scores import Score, best_by_name, scores, sharpened
@@ -25,6 +25,7 @@ from calib.diagnosis.naming.shapes import Shape
 from calib.diagnosis.naming.signatures import Signature
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.statistics.change import Change
+from calib.forward.departure import Variable
 
 INNER_RANGE = log(100.0)
 """Inner parameters are as likely at every logarithm within two decades."""
@@ -40,13 +41,13 @@ class Contest:
         signatures: Of all effects.
         evidence: What they are to explain.
         responder: Takes signatures anew.
-        free: Whether laws are left free where that is worth its price.
+        free: Variables whose laws are left free where that is worth its price.
     """
 
     signatures: tuple[Signature, ...]
     evidence: Evidence
     responder: Responder
-    free: bool = False
+    free: frozenset[Variable] = frozenset()
 
     @cached_property
     def shapes(self) -> dict[str, int]:
@@ -81,7 +82,7 @@ class Contest:
 
     def _freed(self, score: Score, residual: Point, basis: Sequence[Point]) -> Score:
         """Return the score with its law left free where that is worth its price."""
-        if not self.free or score.gain <= WORTH_FREEING or not is_free(score.signature):
+        if score.gain <= WORTH_FREEING or open_variable(score.signature) not in self.free:
             return score
         parts = course(score.signature, residual, basis, self.evidence)
         beside = [*basis, *orthonormal([without(score.signature.point, basis, self.evidence)],

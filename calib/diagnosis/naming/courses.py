@@ -43,18 +43,18 @@ def course(
         evidence: The recording.
     """
     own = _normal(signature.change, signature.point, signature.length)
-    taken = [*beside, *orthonormal([without(own[1], beside, evidence)], evidence)]
+    adapting = [*beside, *orthonormal([without(own[1], beside, evidence)], evidence)]
     open_to = laws(signature, evidence)
     points = [evidence.point(each) for each in open_to.parts]
-    rests = [without(point, taken, evidence) for point in points]
-    chosen = _chosen(
+    rests = [without(point, adapting, evidence) for point in points]
+    taken = chosen(
         open_to,
         _gram(points, evidence),
         _gram(rests, evidence),
         np.array([evidence.product(each, residual) for each in rests]),
     )
     found = [own]
-    for much in chosen:
+    for much in taken:
         change, point = signature.change * 0.0, signature.point * 0.0
         for share, part, direction in zip(much, open_to.parts, points, strict=True):
             change, point = change + part * float(share), point + direction * float(share)
@@ -66,7 +66,7 @@ def _gram(points: Sequence[Point], evidence: Evidence) -> Floats:
     return np.array([[evidence.product(a, b) for b in points] for a in points])
 
 
-def _chosen(open_to: Laws, whole: Floats, rest: Floats, along: Floats) -> list[Floats]:
+def chosen(open_to: Laws, whole: Floats, rest: Floats, along: Floats) -> list[Floats]:
     """Return the functions, (n_parts,) each, that are worth their price, the best first.
 
     Args:

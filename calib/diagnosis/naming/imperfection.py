@@ -2,8 +2,8 @@
 
 A signature that errs by a share e of its length errs where it lives: one that moves means by a
 thousand standard deviations leaves e of that in the means, and hardly anything in the counts of
-rare events. With errors of e^2 E_k in statistics of kind k, E_k being what the effects found change
-there, a unit direction c gathers sum_k |c_k|^2 e^2 E_k of them by chance.
+rare events. With errors of e^2 E_k in statistics of kind k, E_k being what the effects found
+explain there, a unit direction c gathers sum_k |c_k|^2 e^2 E_k of them by chance.
 """
 
 import numpy as np
@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
-from calib.diagnosis.naming.contest import contribution
 from calib.diagnosis.naming.model import Model
 
 Floats = NDArray[np.float64]
 
 IMPERFECT = 0.002
-"""e^2, e being about 0.03 (see `calib.diagnosis.naming.judgement`), and twice that."""
+"""e^2, e being about 0.03 (see `calib.diagnosis.naming.template_error`), and twice that."""
 ASTRAY = 0.1
 """Of that, what errors leave in statistics that the signature itself does not move."""
 
@@ -26,7 +25,7 @@ def left_by_errors(direction: Point, model: Model, evidence: Evidence) -> float:
     """Return the deviance that `direction` may gather of what the model's members leave."""
     if not model.members:
         return 0.0
-    moved = sum((energies(contribution(m), evidence) for m in model.members), np.zeros(()))
+    moved = energies(model.first - model.residual, evidence)
     along = energies(direction, evidence)
     there = float(along @ moved) / max(float(along.sum()), 1e-300)
     return IMPERFECT * (there + ASTRAY * float(moved.sum()))

@@ -7,9 +7,9 @@ from typing import NamedTuple
 from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.refit import misfit
+from calib.diagnosis.naming.shapes import Shape
+from calib.diagnosis.naming.template_error import temper
 
-TEMPLATE_ERROR = 0.03
-"""By how much of its length a fitted signature errs, in any direction that parts two names."""
 MOST_CANDIDATES = 3
 HELD = 0.995
 """Names are told until their probabilities make up this much."""
@@ -45,17 +45,6 @@ class Explained(NamedTuple):
         return self.deviance - self.price
 
 
-def temper(gain: float, error: float = TEMPLATE_ERROR) -> float:
-    """Return by which factor differences of deviance count, of a finding that explains `gain`.
-
-    Two names part by the deviance D = d^2, d the distance of their signatures. Were these exact,
-    the difference of what they explain would scatter by 2 d. A signature of length sqrt(gain) that
-    errs by a share e of its length moves the difference by another 2 d e sqrt(gain): the
-    logarithm of the odds, D of variance 4 D (1 + e^2 gain), is D / (1 + e^2 gain).
-    """
-    return 1.0 / (1.0 + error**2 * max(gain, 0.0))
-
-
 def candidates_of(k: int, model: Model, contest: Contest) -> tuple[Candidate, ...]:
     """Return the names that member `k` of the model could have, the likeliest first."""
     return told(explained_by(k, model, contest), temper(contest.own_gain(model, k)))
@@ -64,20 +53,28 @@ def candidates_of(k: int, model: Model, contest: Contest) -> tuple[Candidate, ..
 def explained_by(k: int, model: Model, contest: Contest) -> dict[str, Explained]:
     """Return what each name would explain in the place of member `k`, and its price."""
     member, gain = model.members[k], contest.own_gain(model, k)
-    own = Explained(gain, contest.price_of(member))
+    own = _explained(gain, contest.price_of(member), member.signature.shape)
     ranked = contest.ranking(model, k, worth=own.net - 2.0 * CLOSE / temper(gain))
     found = {member.signature.shape.name: own}
     left, now = misfit(model, contest.evidence), contest.penalised(model)
     for n, score in enumerate(ranked):
-        each = Explained(score.gain, score.gain - score.net)
+        shape = score.signature.shape
+        each = _explained(score.gain, score.gain - score.net, shape)
         if n < MOST_FITTED and temper(gain) * (own.net - score.net) < CLOSE:
             fitted = contest.placed(model, k, score)
             deviance = gain + left - misfit(fitted, contest.evidence)
-            each = Explained(deviance, deviance - own.net - now + contest.penalised(fitted))
+            price = deviance - own.net - now + contest.penalised(fitted)
+            each = _explained(deviance, price, shape)
         # The search has found nothing that is better, and what is not fitted is no proof of it.
-        better = max(each.net - own.net, 0.0)
-        found[score.name] = Explained(each.deviance - better, each.price)
+        most = own.deviance + (each.price - own.price) / temper(gain)
+        found[score.name] = Explained(min(each.deviance, most), each.price)
     return found
+
+
+def _explained(deviance: float, price: float, shape: Shape) -> Explained:
+    """Return what is explained with what whitened counts have less of, which is no price."""
+    credit = max(-shape.cost, 0.0)
+    return Explained(deviance + credit, price + credit)
 
 
 def told(explained: dict[str, Explained], tempered: float) -> tuple[Candidate, ...]:

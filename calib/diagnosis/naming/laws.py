@@ -18,27 +18,29 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.signatures import Signature
 from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.counts import grouped
+from calib.forward.departure import Variable
 
 Floats = NDArray[np.float64]
 
 DEGREE = 5
-"""Of a polynomial: it comes and goes twice."""
-SMOOTH_DEGREE = 3
-"""Of a smooth law beside the shape itself."""
+"""Of a course in time: it comes and goes twice."""
+SMOOTH_DEGREE = 2
+"""Of laws of any other variable, beside the shape itself."""
 TURNS = np.arange(0.5, 4.1, 0.5)
 """Of a course in time that swings."""
 MOST = 4
-"""Functions of a block's conditions that are added: what takes more is no law."""
+"""Functions of a block's conditions that are added, half as many as it has values at most: what
+takes more is no law."""
 KNOTS = 14
 """Of a function of the code: as many straight pieces, and one more."""
 BENDS = (3, 4, 5)
 """Powers of the signal besides those of the plainest bend."""
 
 
-def is_free(signature: Signature) -> bool:
-    """Return whether an effect may follow its variable by another law."""
+def open_variable(signature: Signature) -> Variable | None:
+    """Return the variable that an effect may follow by another law; None where it may not."""
     effect = signature.shape.template
-    return (effect.any_law or effect.smooth_law) is not None
+    return effect.any_law or effect.smooth_law
 
 
 @dataclass(frozen=True)
@@ -57,9 +59,9 @@ class Laws:
 
 
 def laws(signature: Signature, evidence: Evidence) -> Laws:
-    """Return the laws of an effect that `is_free`."""
+    """Return the laws of an effect that has an `open_variable`."""
     effect, change = signature.shape.template, signature.change
-    variable, smooth = effect.any_law or effect.smooth_law, effect.any_law is None
+    variable, smooth = open_variable(signature), effect.any_law is None
     if variable in {"signal", "code", "column"}:
         of_pixels = _farther if variable == "column" else _bends if smooth else _corners
         parts = tuple(of_pixels(change, evidence))
@@ -68,7 +70,8 @@ def laws(signature: Signature, evidence: Evidence) -> Laws:
         _of_blocks(str(variable), evidence, smooth=smooth), return_inverse=True
     )
     alone = tuple(_scaled(change, (place == k).astype(float)) for k in range(len(values)))
-    return Laws(alone, functions(values, periodic=variable == "time", smooth=smooth), MOST)
+    most = min(MOST, max(len(values) // 2, 1))
+    return Laws(alone, functions(values, course=variable == "time", smooth=smooth), most)
 
 
 def _of_blocks(variable: str, evidence: Evidence, *, smooth: bool) -> Floats:
@@ -84,18 +87,18 @@ def _of_blocks(variable: str, evidence: Evidence, *, smooth: bool) -> Floats:
     return values[variable]
 
 
-def functions(values: Floats, *, periodic: bool, smooth: bool) -> Floats:
+def functions(values: Floats, *, course: bool, smooth: bool) -> Floats:
     """Return functions of `values`, (n_values,) and increasing, as (n_functions, n_values)."""
     if len(values) < 2:
         return np.zeros((0, len(values)))
     x = (values - values[0]) / np.ptp(values)
-    degree = min(SMOOTH_DEGREE if smooth else DEGREE, len(values) - 1)
+    degree = min(DEGREE if course else SMOOTH_DEGREE, len(values) - 1)
     found = [legvander(2.0 * x - 1.0, degree)[:, 1:].T]
     if smooth:
         found.append(np.maximum(x - _onsets(x)[:, None], 0.0))
     else:
         found.append(np.where(x > x[:-1, None], 1.0, -1.0))
-    if periodic:
+    if course:
         angle = 2.0 * np.pi * TURNS[:, None] * x
         found += [np.sin(angle), np.cos(angle)]
     return np.concatenate(found)

@@ -12,14 +12,21 @@ import numpy as np
 
 from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.imperfection import left_by_errors
+from calib.diagnosis.naming.laws import open_variable
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.remainder import unexplained_deviance
 from calib.diagnosis.naming.scores import Score
 from calib.diagnosis.naming.support import supported
+from calib.forward.departure import Variable
 
 THRESHOLD = 16.0
 """Deviance, after its penalty, that chance alone reaches in about two of a hundred recordings."""
 MOST_EFFECTS = 4
+SETTINGS: frozenset[Variable] = frozenset(
+    {"level", "exposure", "temperature", "signal", "code", "column"}
+)
+"""Variables of which laws are left free first: a course in time comes near all of them."""
+COURSES: frozenset[Variable] = frozenset({"time"})
 CLOSE = 25.0
 """Names within so much deviance of the best one may be better once they are fitted."""
 CLOSE_SHARE = 0.15
@@ -43,14 +50,22 @@ def find(contest: Contest, nothing: Model) -> Model:
         nothing: The model in which nothing has been found yet.
     """
     model = _searched(contest, nothing)
-    left = unexplained_deviance(model, contest.evidence)
-    if len(model.members) > 1 or left > 0.0:
-        freed = _searched(replace(contest, free=True), nothing)
+    for free in (SETTINGS, SETTINGS | COURSES):
+        left = unexplained_deviance(model, contest.evidence)
+        if len(model.members) <= 1 and left == 0.0:
+            break
+        freed = _searched(replace(contest, free=free), nothing)
         # A law that may be any other has no excuse for what it leaves.
         plain = not any(m.course for m in freed.members)
         if plain or unexplained_deviance(freed, contest.evidence) == 0.0:
             model = min((model, freed), key=lambda m: _cost(m, contest))
     return supported(model, contest)
+
+
+def as_found(contest: Contest, model: Model) -> Contest:
+    """Return the contest with those laws left free that the model has taken."""
+    taken = (open_variable(m.signature) for m in model.members if m.course)
+    return replace(contest, free=frozenset(variable for variable in taken if variable))
 
 
 def _cost(model: Model, contest: Contest) -> float:

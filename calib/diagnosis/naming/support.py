@@ -48,10 +48,15 @@ def _gain(k: int, model: Model, contest: Contest) -> float:
 
 
 def _mispredicting(model: Model, evidence: Evidence) -> int | None:
-    """Return the member that makes left out exposures or levels worst; None where none does."""
+    """Return the member that makes left out exposures or levels worst; None where none does.
+
+    What shows in single samples or codes is not put to this test, which does not look at them.
+    """
     folded = [HeldOutDeviances(model, evidence, by) for by in ("exposures", "levels")]
     worst = [
         min((each.gain(k) for each in folded if each.folds), default=0.0)
-        for k in range(len(model.members))
+        if member.effect.shows_in not in {"tail", "histogram"}
+        else 0.0
+        for k, member in enumerate(model.members)
     ]
     return int(np.argmin(worst)) if min(worst) < WORST_GAIN else None

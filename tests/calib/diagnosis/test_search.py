@@ -1,3 +1,4 @@
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -35,10 +36,10 @@ def clean() -> Evidence:
     return recording()
 
 
-def contest_of(evidence: Evidence) -> Contest:
+def contest_of(evidence: Evidence, names: Sequence[str] = NAMES) -> Contest:
     responder = responder_of(evidence)
     scales = scales_of(evidence, responder)
-    shapes = [shape for name in NAMES for shape in shapes_of(effect_named(name), scales)]
+    shapes = [shape for name in names for shape in shapes_of(effect_named(name), scales)]
     found = [signature(shape, evidence, responder) for shape in shapes]
     return Contest(tuple(each for each in found if each is not None), evidence, responder)
 
@@ -48,7 +49,9 @@ def found_in(evidence: Evidence) -> list[str]:
     return [member.effect.name for member in model.members]
 
 
-def found_of(course: Columns, pattern: Columns, sigma: float) -> Model:
+def found_of(
+    course: Columns, pattern: Columns, sigma: float, names: Sequence[str] = NAMES
+) -> Model:
     """Return what is found in a clean recording to whose means course times pattern was added."""
     nothing = beside(None, clean())
     added = replace(nothing.observed * 0.0, means=np.outer(course, pattern))
@@ -56,7 +59,7 @@ def found_of(course: Columns, pattern: Columns, sigma: float) -> Model:
     observed = nothing.observed + added * (sigma / np.sqrt(clean().product(point, point)))
     residual = clean().point(observed)
     started = replace(nothing, observed=observed, residual=residual, first=residual)
-    return find(contest_of(clean()), started)
+    return find(contest_of(clean(), names), started)
 
 
 def test_two_effects_are_both_named_and_nothing_else() -> None:
@@ -73,6 +76,14 @@ def test_an_offset_that_comes_and_goes_is_an_offset_drift_of_a_free_course() -> 
     model = found_of(np.sin(2.0 * np.pi * time) ** 2, np.ones(COLUMNS), 50.0)
     assert [member.effect.name for member in model.members] == ["offset_drift"]
     assert model.members[0].course
+
+
+def test_lamps_that_lose_only_where_all_of_them_burn_are_not_additive() -> None:
+    level = clean().table.level
+    course = clean().signal_dn * (level == level.max())
+    names = (*NAMES, "level_nonadditivity")
+    model = found_of(course, np.ones(COLUMNS), 50.0, names)
+    assert [member.effect.name for member in model.members] == ["level_nonadditivity"]
 
 
 def test_what_no_name_of_the_catalogue_does_gets_none() -> None:
