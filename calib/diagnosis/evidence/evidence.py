@@ -15,6 +15,7 @@ from calib.diagnosis.evidence.mean_space import MeanSpace, mean_space
 from calib.diagnosis.evidence.noise_directions import noise_directions
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.rare_space import RareSpace
+from calib.diagnosis.evidence.shared_noise import SharedNoise
 from calib.diagnosis.evidence.standing_out import N_STEPS, PixelMisfits, steps
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.monitor import MonitorReadings, readings_of
@@ -36,6 +37,8 @@ NEAR_EVENTS = 3.0
 """So many samples nearly stand out for each that does."""
 LEAST_EVENTS = 0.5
 """Of them in a group of pixels and a block: one more or less is no sign of anything."""
+SHARED_KINDS = ("common", "common_taps", "common_1", "common_2")
+"""Statistics of what a line's pixels have in common, side by side in a block's vector."""
 TONE_ERROR = 0.08
 """Of squared amplitudes: a tone lies between two frequencies of the spectrum."""
 
@@ -133,12 +136,30 @@ class Evidence:
             signal = np.maximum(self.baseline.mean_dn[b] - self.baseline.offset_dn, 0.0)
             variance = self.baseline.variance_dn2[b]
             pair = expected(variance, gain**3 * signal, int(self.n[b]), self.sensor, self.counts)
-            shared = self.common.fixed_dn2 + self.common.relative * float(signal.mean()) ** 2
-            for kind in ("common", "common_taps", "common_1", "common_2"):
-                white = np.maximum(pair[0].of["common"].mean(), 1e-300)
-                pair[1].of[kind] *= 1.0 + shared / white
+            raised = self._shared_noise(float(signal.mean()), pair[0].of["common"]).growth()
+            n_taps = self.sensor.n_taps
+            pair[1].of["common"] *= raised[:n_taps]
+            for kind, factor in zip(SHARED_KINDS[1:], raised[n_taps:], strict=True):
+                pair[1].of[kind] *= factor
             pairs.append(pair)
         return tuple(pairs)
+
+    def _shared_noise(self, signal_dn: float, white: Floats) -> SharedNoise:
+        common = self.common
+        shared = common.shared_dn2(signal_dn)
+        return SharedNoise(self.counts, white, shared, common.rows_share)
+
+    @cached_property
+    def _whiteners(self) -> Floats:
+        """What makes statistics of common noise independent, (n_blocks, n, n)."""
+        return np.stack(
+            [
+                self._shared_noise(float(signal), mean.of["common"]).whitener()
+                for signal, (mean, _) in zip(
+                    np.maximum(self.signal_dn, 0.0), self.expected, strict=True
+                )
+            ]
+        )
 
     @cached_property
     def pooled_std(self) -> Floats:
@@ -240,7 +261,10 @@ class Evidence:
         pool = np.where(
             np.isfinite(self.pooled_std) & (self.pooled_std > 0),
             change.pooled / np.where(self.pooled_std > 0, self.pooled_std, 1.0), 0.0,
-        ).ravel()  # fmt: skip
+        )  # fmt: skip
+        where = slice(self.places[SHARED_KINDS[0]].start, self.places[SHARED_KINDS[-1]].stop)
+        pool[:, where] = np.einsum("bij,bj->bi", self._whiteners, pool[:, where])
+        pool = pool.ravel()
         for direction in self._noise_directions:
             pool = pool - direction * float(direction @ pool)
         if self.kept is not None:

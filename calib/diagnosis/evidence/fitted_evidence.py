@@ -64,4 +64,6 @@ def _common(quiet: Evidence) -> CommonNoise:
     )
     signal = (quiet.baseline.mean_dn - quiet.baseline.offset_dn).mean(axis=(1, 2))
     freedom = (quiet.n - 1) * quiet.sensor.n_rows
-    return fit_common_noise(excess, lagged, white / taps, signal, freedom)
+    return fit_common_noise(
+        excess, lagged, white / taps, signal, freedom, n_rows=quiet.sensor.n_rows
+    )

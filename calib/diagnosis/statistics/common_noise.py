@@ -11,6 +11,10 @@ SIGNIFICANT = 14.0
 """Deviance that shared noise has to explain before it counts."""
 
 
+LAGS = 2
+"""At which covariances of lines are looked at."""
+
+
 @dataclass(frozen=True)
 class CommonNoise:
     """Variance that a line's pixels share: fixed + relative x signal^2.
@@ -19,15 +23,27 @@ class CommonNoise:
         fixed_dn2: In the dark and everywhere.
         relative: Of the signal, squared.
         memory: By how much the variance of a block's mean exceeds that of white lines.
+        rows_share: The part of it that all rows of a frame share, 0 to 1; 0 for lines.
     """
 
     fixed_dn2: float
     relative: float
     memory: float
+    rows_share: float = 0.0
+
+    def shared_dn2(self, signal_dn: float) -> float:
+        """Return the variance that a line's pixels share at a signal, DN^2."""
+        return self.fixed_dn2 + self.relative * signal_dn**2
 
 
 def fit_common_noise(
-    excess: Floats, lagged: Floats, white: Floats, signal: Floats, freedom: Floats
+    excess: Floats,
+    lagged: Floats,
+    white: Floats,
+    signal: Floats,
+    freedom: Floats,
+    *,
+    n_rows: int = 1,
 ) -> CommonNoise:
     """Return the fit of the excess of line means' variances.
 
@@ -37,6 +53,7 @@ def fit_common_noise(
         white: What independent pixels give, (n_blocks,).
         signal: Mean signal, DN, (n_blocks,).
         freedom: Degrees of freedom of each variance, (n_blocks,).
+        n_rows: Of a frame, whose rows follow each other; lines follow each other themselves.
     """
     best = (0.0, 0.0)
     least = _deviance(excess, white, white, freedom)
@@ -55,8 +72,12 @@ def fit_common_noise(
     if best == (0.0, 0.0):
         return CommonNoise(0.0, 0.0, 1.0)
     total = float((best[0] + best[1] * signal**2).sum())
-    memory = float(np.clip(1.0 + 2.0 * lagged.sum() / max(total, 1e-300), 0.1, 6.0))
-    return CommonNoise(*best, memory)
+    ratio = float(lagged.sum()) / max(total, 1e-300)
+    if n_rows > 1:
+        # Frames are exposed one by one: what two rows share, all of them do.
+        share = float(np.clip(ratio / LAGS, 0.0, 1.0))
+        return CommonNoise(*best, 1.0 + share * (n_rows - 1), share)
+    return CommonNoise(*best, float(np.clip(1.0 + 2.0 * ratio, 0.1, 6.0)))
 
 
 def _deviance(residual: Floats, level: Floats, white: Floats, freedom: Floats) -> float:
