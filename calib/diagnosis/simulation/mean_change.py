@@ -1,4 +1,4 @@
-"""What noise-free lines say of means, of first lines, of tones, and of scatter within a block."""
+"""What noise-free lines say of means, of first lines, and of scatter within a block."""
 
 from collections.abc import Sequence
 
@@ -6,21 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.recorded.sensor import Sensor
-from calib.diagnosis.simulation.chain_run import FittedChain
-from calib.diagnosis.simulation.sampled_lines import SampledLines, is_tone
+from calib.diagnosis.simulation.sampled_lines import SampledLines
 from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.gather import CUT_SIGMA
 from calib.diagnosis.statistics.pooled import ONSET_LINES, places, pooled
 from calib.diagnosis.statistics.rare import FAR_SIGMA, OFTEN, RARE, rare_trials
-from calib.diagnosis.statistics.tones import Peak
-from calib.forward.effect import Effect
 from calib.kernels.residual_products import LINE_LAGS, ResidualProducts, tap_sizes
 from calib.kernels.scatter_products import scatter_products
 
 Floats = NDArray[np.float64]
 
-TONE_LINES = 48
-"""So many lines, or all of a block, tell a tone."""
 STEADY = 1e-3
 """Lines that differ by less than this part of the noise are alike."""
 
@@ -31,21 +26,6 @@ def mean_change(sampled: Sequence[SampledLines]) -> tuple[Floats, Floats]:
     for b, each in enumerate(sampled):
         onset[b, : len(each.first)] = each.first @ each.change.mean(axis=1)
     return np.stack([each.weights @ each.change for each in sampled]), onset
-
-
-def tone_change(chain: FittedChain, effects: Sequence[Effect], peaks: Sequence[Peak]) -> Floats:
-    """Return squared amplitudes at the peaks that effects of the spectrum give, DN^2."""
-    tonal = [effect for effect in effects if is_tone(effect)]
-    found = np.zeros((len(chain.table.blocks), len(peaks)))
-    if not tonal or not peaks:
-        return found
-    n = [min(int(lines), TONE_LINES) for lines in chain.table.n_lines]
-    stack = chain.stack([(b, np.arange(float(k))) for b, k in enumerate(n)], "tone")
-    lines = chain.noise_free(stack, tonal, 0)
-    for b, where in enumerate(stack.parts):
-        change = lines[where] - chain.baseline.mean_dn[b].ravel()
-        found[b] = [peak.squared_amplitude(change) for peak in peaks]
-    return found
 
 
 def scatter_change(

@@ -13,11 +13,12 @@ from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.diagnosis.simulation.drawn_lines import Drawn, drawn_of
 from calib.diagnosis.simulation.known_changes import KnownChanges
-from calib.diagnosis.simulation.mean_change import mean_change, scatter_change, tone_change
+from calib.diagnosis.simulation.mean_change import mean_change, scatter_change
 from calib.diagnosis.simulation.opposite_tone import opposite_tone
 from calib.diagnosis.simulation.sampled_lines import is_tone, sampled_lines
 from calib.diagnosis.simulation.short_blocks import as_of_long_blocks
 from calib.diagnosis.simulation.stack import Stack
+from calib.diagnosis.simulation.tone_lines import ToneLines
 from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.noisy import NOISY_SIGMA, few
@@ -82,19 +83,24 @@ class Responder:
         sampled = [] if drawn_alone else sampled_lines(self.chain, others, lefts, draw)
         means, onset = mean_change(sampled) if sampled else self._no_change_of_means()
         # An effect's own noise has chance products with that of the baseline, of either sign.
-        signed = {1.0: effects}
-        if any(map(self.chain.has_noise, effects)) or any(map(is_tone, effects)):
-            signed[-1.0] = [opposite_tone(effect) for effect in effects]
+        tones = ToneLines.of(self.chain, effects)
+        in_lines = effects if coded else [e for e in effects if not is_tone(e)]
+        signed = {1.0: in_lines}
+        if any(map(self.chain.has_noise, in_lines)) or any(map(is_tone, in_lines)):
+            signed[-1.0] = [opposite_tone(effect) for effect in in_lines]
         drawn = [self._drawn(e, lefts, draw, coded=coded, sign=sign) for sign, e in signed.items()]
         plain = (self.plain or self).plain_drawn(draw, coded=coded)
         if coded and sampled:
             means = means + self._of_codes(drawn[0], others, lefts, draw)
         table = self.chain.table
         weight = table.n_lines - 1
-        ratio = np.average(_mean([d.ratio for d in drawn]) - plain.ratio, 0, weight)
+        variance = self.chain.baseline.variance_dn2
+        ratio = _mean([d.ratio for d in drawn]) - plain.ratio
+        if not coded:
+            ratio = ratio + tones.pixel_ratio(variance)
+        ratio = np.average(ratio, 0, weight)
         z = ratio * np.sqrt(weight.sum() / 2.0)
         counts, sensor = self._cleaned(few(np.flatnonzero(z > NOISY_SIGMA), len(z)))
-        variance = self.chain.baseline.variance_dn2
         moved = _mean([each.pooled(variance, sensor, counts) for each in drawn])
         moved = moved - plain.pooled(variance, sensor, counts)
         moved = as_of_long_blocks(moved, self.n_lines, table.n_lines, sensor)
@@ -102,6 +108,9 @@ class Responder:
         if sampled and not any(map(self.chain.has_events, effects)):
             scatter, counted = scatter_change(sampled, variance, sensor, counts)
             moved, rare = moved + scatter, rare + counted
+        of_tones = None if coded else tones.scatter(variance, sensor, counts)
+        if of_tones is not None:
+            moved, rare = moved + of_tones[0], rare + of_tones[1]
         trials = rare_trials(self.n_lines, self.chain.sensor.n_pixels)
         return Change(
             means,
@@ -110,15 +119,9 @@ class Responder:
             self._by_conditions(rare, trials),
             ratio,
             _codes([d.codes for d in drawn], plain.codes, (weight + 1) * self._fine, coded=coded),
-            self._tones_of(tuple(effect for effect in effects if is_tone(effect))),
+            tones.at_peaks(self.peaks, len(table.blocks)),
             np.zeros(len(ratio)),
         )
-
-    def _tones_of(self, tones: tuple[Effect, ...]) -> Floats:
-        """Return what effects of the spectrum change at its peaks, worked out once."""
-        if tones not in self._tones:
-            self._tones[tones] = tone_change(self.chain, tones, self.peaks)
-        return self._tones[tones]
 
     def _no_change_of_means(self) -> tuple[Floats, Floats]:
         blocks = len(self.chain.table.blocks)
@@ -189,10 +192,6 @@ class Responder:
     @cached_property
     def of_events(self) -> dict[Departure, Change]:
         """What effects made of events change where these are dense, as far as it is known."""
-        return {}
-
-    @cached_property
-    def _tones(self) -> dict[tuple[Effect, ...], Floats]:
         return {}
 
     @cached_property
