@@ -173,6 +173,7 @@ def scales_of(evidence: Evidence, responder: Responder) -> Scales:
         float(table.radiance.max()),
         int(seen[0]),
         tuple(f for peak in evidence.peaks for f in peak.frequencies_hz(period_s)),
+        int(np.median(table.n_lines)),
     )
 
 

@@ -14,6 +14,10 @@ from calib.recording.header import CameraHeader
 
 MOST_TOGETHER = 12
 """Grids of several parameters are crossed up to so many shapes."""
+MAINS_HZ = (50.0, 60.0)
+"""Frequencies of the world's mains (IEC 60196), which grids hold to 1 % or better (EN 50160)."""
+TONE_WIDTH = 0.75
+"""Over a block's lines: by so many cycles a line a peak may lie off its tone."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +32,7 @@ class Scales:
         radiance: The largest radiance.
         lowest_dn: The lowest code that was seen.
         tones_hz: Frequencies that stand out of the spectrum.
+        n_lines: Of a block.
     """
 
     camera: CameraHeader
@@ -37,6 +42,26 @@ class Scales:
     radiance: float
     lowest_dn: int
     tones_hz: tuple[float, ...]
+    n_lines: int = 1
+
+    @property
+    def mains_hz(self) -> tuple[float, ...]:
+        """What may be the mains' frequency: 50 or 60 Hz where a tone is what they look like.
+
+        Lines see a tone folded to half their rate at most: what it is, they do not tell.
+        """
+        seen = [self._cycles_per_line(2.0 * tone) for tone in self.tones_hz]
+        width = TONE_WIDTH / self.n_lines
+        known = tuple(
+            hz
+            for hz in MAINS_HZ
+            if any(abs(self._cycles_per_line(2.0 * hz) - s) < width for s in seen)
+        )
+        return known or self.tones_hz
+
+    def _cycles_per_line(self, hz: float) -> float:
+        turns = hz * self.line_period_s
+        return abs(turns - round(turns))
 
 
 def star(default: Departure, grids: dict[str, tuple[object, ...]]) -> list[Departure]:
@@ -70,6 +95,8 @@ def grid(
     if isinstance(value, int):
         return _whole(name, value, told, scales)
     if isinstance(value, float):
+        if name == "mains_hz":
+            return _within(scales.mains_hz or (value,), told)
         return _within(_scaled(value, told, scales, remembers), told)
     return (value,)
 
