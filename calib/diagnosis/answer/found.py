@@ -58,6 +58,8 @@ def estimates_of(member: Member) -> dict[str, Estimate]:
     told = parameters_of(type(member.effect))
     found = {}
     for name, unit, _ in member.signature.shape.varied:
+        if name in member.inner:
+            continue
         value = getattr(member.effect, name)
         if isinstance(unit, tuple):
             largest = int(np.argmax(np.abs(unit)))

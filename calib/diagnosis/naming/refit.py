@@ -112,7 +112,7 @@ def _prepared(model: Model, evidence: Evidence, responder: Responder) -> Model:
         basis = orthonormal(scaled, evidence)
         inner: dict[str, float] = {}
         for name in member.signature.shape.inner:
-            value = float(getattr(member.signature.shape.template, name))
+            value = float(getattr(member.effect, name))
             trial = replace(member, inner={**inner, name: value})
             moved = [*members[:k], trial, *members[k + 1 :]]
             direction = _differentiated(k, moved, plain, evidence, about).directions[-1]

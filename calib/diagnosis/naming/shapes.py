@@ -48,7 +48,8 @@ class Shape:
 
         Args:
             strength: Times the varied parameters' distance from where they change nothing.
-            inner: Values of other parameters, in place of the shape's own.
+            inner: Values of other parameters, in place of the shape's own: of varied ones, too,
+                which the strength does not scale then.
         """
         told = parameters_of(type(self.template))
         values: dict[str, object] = {
@@ -56,6 +57,8 @@ class Shape:
             for name, value in (inner or {}).items()
         }
         for name, unit, neutral in self.varied:
+            if inner and name in inner:
+                continue
             low, high = told[name].low, told[name].high
             if isinstance(unit, tuple):
                 values[name] = tuple(_held(neutral + strength * u, low, high) for u in unit)
@@ -65,10 +68,14 @@ class Shape:
 
     @property
     def inner(self) -> tuple[str, ...]:
-        """The positive numbers besides the strength that a fit may move, those at a bound not."""
+        """The positive numbers besides the strength that a fit may move, those at a bound not.
+
+        Where several go together, the first is the strength, and how the others are to it is one
+        of a kind of sensor.
+        """
         if self.freedom:
             return ()
-        told, varied = parameters_of(type(self.template)), {name for name, _, _ in self.varied}
+        told, varied = parameters_of(type(self.template)), {name for name, _, _ in self.varied[:1]}
         return tuple(
             name
             for name, parameter in told.items()
