@@ -58,7 +58,9 @@ class SharedNoise:
         std = np.sqrt(np.diag(covariance))
         scale = np.where(std > 0, std, 1.0)
         correlation = covariance / np.outer(scale, scale)
-        correlation[std <= 0, std <= 0] = 1.0
+        lone = std <= 0
+        correlation[lone], correlation[:, lone] = 0.0, 0.0
+        correlation[lone, lone] = 1.0
         values, axes = np.linalg.eigh(correlation)
         return np.asarray((axes / np.sqrt(np.maximum(values, LEAST))) @ axes.T)
 

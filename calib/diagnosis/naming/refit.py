@@ -12,18 +12,17 @@ from calib.diagnosis.evidence.projection import orthonormal, without
 from calib.diagnosis.naming.courses import freed, with_courses
 from calib.diagnosis.naming.model import Member, Model
 from calib.diagnosis.naming.rebase import rebased
+from calib.diagnosis.naming.settled import Turn, most_settled, stalled
 from calib.diagnosis.naming.signatures import change_of, is_of_events
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.statistics.change import Change
 
 Floats = NDArray[np.float64]
 
-STEPS = 5
+STEPS = 7
 """Of Gauss and Newton."""
 LEAST_STEP = 0.05
 """In standard deviations: smaller steps end the fit."""
-STALLED = 2
-"""So many steps without a better fit end it: codes, and single events, make it scatter."""
 DETERMINED = 3.0
 """A parameter joins the fit where its logarithm is determined to one over this."""
 RELATIVE_STEP = 0.1
@@ -43,7 +42,7 @@ def refitted(model: Model, evidence: Evidence, responder: Responder) -> Model:
 
 def _fitted(model: Model, evidence: Evidence, responder: Responder) -> tuple[Model, bool]:
     """Return the best of some steps, and whether more of them would be of no use."""
-    members, best, baseline, worse = model.members, None, model.baseline, 0
+    members, baseline, tried = model.members, model.baseline, list[Turn]()
     for turn in range(STEPS):
         about = responder.about(baseline)
         plain = change_of(tuple(m.effect for m in members), evidence, about)
@@ -56,18 +55,15 @@ def _fitted(model: Model, evidence: Evidence, responder: Responder) -> tuple[Mod
         steps, std = _solved(members, residual, evidence)
         members = _with_std(members, std)
         now = replace(model, members=members, change=change, residual=residual, baseline=baseline)
-        worse += 1
-        if best is None or misfit(now, evidence) < misfit(best, evidence):
-            best, worse = now, 0
         moving = _moving(members)
-        small = np.abs(steps) < LEAST_STEP * np.maximum(std, 1e-300)
-        converged = not moving.any() or (small[moving].all() and turn > 0)
-        if converged or worse >= STALLED:
-            return best, True
+        ahead = float(np.max(np.abs(steps / np.maximum(std, 1e-300))[moving], initial=0.0))
+        tried.append(Turn(now, ahead, misfit(now, evidence)))
+        converged = not moving.any() or (ahead < LEAST_STEP and turn > 0)
+        if converged or stalled(tried):
+            return most_settled(tried, evidence.product(model.first, model.first)), True
         members = _stepped(members, steps)
         baseline = rebased(baseline, model.observed - change, evidence)
-    assert best is not None  # noqa: S101 - a step was taken
-    return best, False
+    return most_settled(tried, evidence.product(model.first, model.first)), False
 
 
 def _moving(members: Sequence[Member]) -> NDArray[np.bool_]:

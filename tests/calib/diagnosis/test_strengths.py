@@ -9,6 +9,9 @@ STRONG: dict[str, dict[str, object]] = {
     "lag": {"share": 0.01},
     "interpixel_capacitance": {"column_coupling": 0.05},
     "cti": {"per_transfer": 3e-4, "partition_noise": 0.0},
+    "nonlinearity": {"beta_per_dn": 1e-5},
+    "exposure_jitter": {"relative_std": 0.003},
+    "line_noise": {"std_dn": 0.5},
 }
 SHORT = 6
 
@@ -23,8 +26,9 @@ def hold(name: str, runs: int) -> None:
     assert (z**2).mean() < 1.0 + 4.5 * np.sqrt(2.0 / runs)
 
 
-def test_a_strong_lag_is_measured_without_bias() -> None:
-    hold("lag", SHORT)
+@pytest.mark.parametrize("name", ["lag", "nonlinearity"])
+def test_a_strong_effect_is_measured_without_bias(name: str) -> None:
+    hold(name, SHORT)
 
 
 @pytest.mark.soak
