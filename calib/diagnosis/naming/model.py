@@ -1,6 +1,9 @@
 """The effects that were found, and what remains of a recording after them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.evidence.point import Point
@@ -60,3 +63,14 @@ class Model:
     first: Point
     baseline: Baseline
     started: Baseline
+
+
+def foreseen(members: Sequence[Member], stepped: Sequence[Member]) -> Change:
+    """Return what a step of the members changes, to first order."""
+    total = members[0].changes[0] * 0.0
+    for before, after in zip(members, stepped, strict=True):
+        logs = [np.log(after.inner[name] / value) for name, value in before.inner.items()]
+        steps = [after.strength - before.strength, *logs]
+        for change, step in zip(before.changes, steps, strict=True):
+            total = total + change * float(step)
+    return total

@@ -10,7 +10,7 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
 from calib.diagnosis.naming.courses import freed, with_courses
-from calib.diagnosis.naming.model import Member, Model
+from calib.diagnosis.naming.model import Member, Model, foreseen
 from calib.diagnosis.naming.rebase import rebased
 from calib.diagnosis.naming.settled import Turn, most_settled, stalled
 from calib.diagnosis.naming.signatures import change_of, is_of_events
@@ -61,8 +61,10 @@ def _fitted(model: Model, evidence: Evidence, responder: Responder) -> tuple[Mod
         converged = not moving.any() or (ahead < LEAST_STEP and turn > 0)
         if converged or stalled(tried):
             return most_settled(tried, evidence.product(model.first, model.first)), True
-        members = _stepped(members, steps)
-        baseline = rebased(baseline, model.observed - change, evidence)
+        stepped = _stepped(members, steps)
+        # The step is that of effects and baseline together: what those take of it is not this's.
+        missed = model.observed - change - foreseen(members, stepped)
+        members, baseline = stepped, rebased(baseline, missed, evidence)
     return most_settled(tried, evidence.product(model.first, model.first)), False
 
 

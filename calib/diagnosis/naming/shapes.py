@@ -71,11 +71,13 @@ class Shape:
         """The positive numbers besides the strength that a fit may move, those at a bound not.
 
         Where several go together, the first is the strength, and how the others are to it is one
-        of a kind of sensor.
+        of a kind of sensor. How widely pixels scatter that a seed draws is left as it is: the
+        recording's pixels are others.
         """
         if self.freedom:
             return ()
         told, varied = parameters_of(type(self.template)), {name for name, _, _ in self.varied[:1]}
+        drawn = any(name.endswith("seed") for name in told)
         return tuple(
             name
             for name, parameter in told.items()
@@ -84,6 +86,7 @@ class Shape:
             and 0.0 < value < parameter.high
             and parameter.low < value
             and not name.startswith("reference")
+            and not (drawn and parameter.neutral == 0.0)
             and parameter.unit not in {"rad", "Hz", "degree Celsius"}
         )
 
