@@ -132,13 +132,17 @@ def _with_std(members: Sequence[Member], std: Floats) -> tuple[Member, ...]:
 
 
 def _stepped(members: Sequence[Member], steps: Floats) -> tuple[Member, ...]:
-    """Return the members one step on."""
+    """Return the members one step on, the shorter for all the farther a logarithm would go."""
     found, start = [], 0
+    strengths = np.cumsum([0, *(len(m.directions) for m in members[:-1])])
+    logs = np.delete(steps, strengths)
+    # A strength that went all the way beside a time that does not would overshoot.
+    steps = steps * min(1.0, FARTHEST / max(float(np.abs(logs).max(initial=0.0)), FARTHEST))
     for member in members:
         step, *others = steps[start : start + len(member.directions)]
         start += len(member.directions)
         inner = {
-            name: value * float(np.exp(np.clip(s, -FARTHEST, FARTHEST)))
+            name: value * float(np.exp(s))
             for (name, value), s in zip(member.inner.items(), others, strict=True)
         }
         found.append(replace(member, strength=_moved(member, float(step)), inner=inner))

@@ -55,11 +55,25 @@ def find(contest: Contest, nothing: Model) -> Model:
         if len(model.members) <= 1 and left == 0.0:
             break
         freed = _searched(replace(contest, free=free), nothing)
-        # A law that may be any other has no excuse for what it leaves.
-        plain = not any(m.course for m in freed.members)
-        if plain or unexplained_deviance(freed, contest.evidence) == 0.0:
-            model = min((model, freed), key=lambda m: _cost(m, contest))
+        told = [m for m in (freed, _shaped(freed, contest)) if _is_told(m, contest)]
+        model = min((model, *told), key=lambda m: _cost(m, contest))
     return supported(model, contest)
+
+
+def _is_told(model: Model, contest: Contest) -> bool:
+    """Return whether a model may stand: a law that may be any other has no excuse for remainders."""
+    plain = not any(m.course for m in model.members)
+    return plain or unexplained_deviance(model, contest.evidence) == 0.0
+
+
+def _shaped(freed: Model, contest: Contest) -> Model:
+    """Return the names of `freed` with the catalogue's courses, whose times are fitted then.
+
+    A course that is free fits what a time constant would, and no amended model can carry it.
+    """
+    if not any(m.course for m in freed.members):
+        return freed
+    return contest.refitted(freed, [replace(m, course=(), course_fit=()) for m in freed.members])
 
 
 def as_found(contest: Contest, model: Model) -> Contest:

@@ -52,6 +52,9 @@ def most_settled(turns: Sequence[Turn], nothing: float) -> Model:
         nothing: The misfit without any effect.
     """
     best = min(turns, key=lambda turn: turn.misfit)
+    if any(member.signature.shape.freedom for member in best.model.members):
+        # What was told by the residual of the first baseline goes with that one.
+        return best.model
     enough = best.misfit + max(ALIKE, BENT * (nothing - best.misfit))
     fine = [turn for turn in turns[1:] if turn.misfit <= enough]
     return min(fine, key=lambda turn: turn.ahead).model if fine else best.model
