@@ -17,6 +17,7 @@ from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.rare_space import RareSpace
 from calib.diagnosis.evidence.shared_noise import SharedNoise
 from calib.diagnosis.evidence.standing_out import N_STEPS, PixelMisfits, steps
+from calib.diagnosis.evidence.tone_scale import ToneScale
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.monitor import MonitorReadings, readings_of
 from calib.diagnosis.recorded.sensor import Sensor
@@ -39,8 +40,6 @@ LEAST_EVENTS = 0.5
 """Of them in a group of pixels and a block: one more or less is no sign of anything."""
 SHARED_KINDS = ("common", "common_taps", "common_1", "common_2")
 """Statistics of what a line's pixels have in common, side by side in a block's vector."""
-TONE_ERROR = 0.08
-"""Of squared amplitudes: a tone lies between two frequencies of the spectrum."""
 
 
 @dataclass(frozen=True)
@@ -194,6 +193,7 @@ class Evidence:
         }
         if self.kept is None:
             sizes |= {"steps": 2 * N_STEPS, "codes": self.code_counts.n_numbers}
+        sizes["tones"] = self.n_blocks * len(self.peaks)
         found, start = {}, 0
         for kind, size in sizes.items():
             found[kind] = slice(start, start + size)
@@ -271,8 +271,8 @@ class Evidence:
             gone = ~self.kept
             onset = np.where(gone[:, None], 0.0, change.onset / self.onset_std)
             rare = self.rare_space.whitened(change.rare, self.kept)
-            tones = np.where(gone[:, None], 0.0, change.tones / self._tone_std)
-            return Point(means, np.concatenate([pool, onset.ravel(), rare, tones.ravel()]))
+            tones = self._tone_scale.whitened(change.tones, self.kept)
+            return Point(means, np.concatenate([pool, onset.ravel(), rare, tones]))
         rest = np.concatenate(
             [
                 pool,
@@ -281,7 +281,7 @@ class Evidence:
                 steps(change.pixel_variance * np.sqrt((self.n - 1).sum() / 2.0)),
                 steps(change.pixel_misfit),
                 self.code_counts.whitened(change.codes),
-                (change.tones / self._tone_std).ravel(),
+                self._tone_scale.whitened(change.tones),
                 self.monitor.whitened(change.monitor),
             ]
         )
@@ -291,9 +291,13 @@ class Evidence:
         """Return the whitened derivative of statistics that move by `change` from `about` on."""
         small = 0.1
         found = (self.point(about + change * small) - self.point(about)) * (1.0 / small)
-        # Counts are whitened along a curve, and rates may be far larger than what is seen of them.
+        # Counts and tones are whitened along curves, and changes may be far larger than what is
+        # seen of them.
         found.rest[self.rest_places["rare"]] = self.rare_space.derivative(
             change.rare, about.rare, self.kept
+        )
+        found.rest[self.rest_places["tones"]] = self._tone_scale.derivative(
+            change.tones, about.tones, self.kept
         )
         return found
 
@@ -328,11 +332,11 @@ class Evidence:
         return np.array(values).reshape(-1, self.n_blocks).T
 
     @cached_property
-    def _tone_std(self) -> Floats:
-        floor = self._of_peaks([p.std_dn2 for p in self.peaks])
-        values = self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks])
-        smooth = np.maximum(values, 0.0).mean(axis=0)
-        return np.asarray(np.sqrt(floor**2 + 2.0 * floor * smooth + (TONE_ERROR * smooth) ** 2))
+    def _tone_scale(self) -> ToneScale:
+        return ToneScale(
+            self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),
+            self._of_peaks([p.std_dn2 for p in self.peaks]),
+        )
 
     @cached_property
     def onset_std(self) -> Floats:

@@ -83,9 +83,9 @@ def signature(
         found = _taken(shape, found.strength, evidence, responder, first=found.change)
     if found.length < FEWEST_SIGMA:
         return None
-    power = 1.0 if shape.two_sided or shape.fixed else _power_of(shape, tried)
-    if is_of_events(shape, responder):
-        power = _power_of_events(found, evidence, responder)
+    power = 1.0 if shape.two_sided or shape.fixed else _power(tried)
+    if _is_whitened_along_a_curve(shape, responder):
+        power = _power_here(found, evidence, responder)
     return Signature(shape, found.strength, found.change, found.point, found.length, power)
 
 
@@ -100,9 +100,9 @@ def retaken(
     again = _taken(one.shape, strength, evidence, responder)
     power = one.power
     if not one.shape.two_sided:
-        power = _power_of(one.shape, [(one.strength, one.length), (abs(strength), again.length)])
-    if is_of_events(one.shape, responder):
-        power = _power_of_events(again, evidence, responder)
+        power = _power([(one.strength, one.length), (abs(strength), again.length)])
+    if _is_whitened_along_a_curve(one.shape, responder):
+        power = _power_here(again, evidence, responder)
     return replace(again, power=power)
 
 
@@ -111,15 +111,15 @@ def is_of_events(shape: Shape, responder: Responder) -> bool:
     return not shape.fixed and density_of(shape.template, responder) is not None
 
 
-def _power_of_events(one: Signature, evidence: Evidence, responder: Responder) -> float:
-    """Return the power where a signature was taken: counts are whitened along a curve."""
+def _is_whitened_along_a_curve(shape: Shape, responder: Responder) -> bool:
+    """Return whether a shape shows in counts, or in squared amplitudes of a tone."""
+    return is_of_events(shape, responder) or (not shape.fixed and is_tone(shape.template))
+
+
+def _power_here(one: Signature, evidence: Evidence, responder: Responder) -> float:
+    """Return the power of the strength with which a signature grows where it was taken."""
     more = _taken(one.shape, 1.2 * one.strength, evidence, responder, once=True)
     return _power([(one.strength, one.length), (more.strength, more.length)])
-
-
-def _power_of(shape: Shape, tried: list[tuple[float, float]]) -> float:
-    """Return the power of a strength without sign: second moments of a tone go as its square."""
-    return 2.0 if is_tone(shape.template) else _power(tried)
 
 
 def _power(tried: list[tuple[float, float]]) -> float:

@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 
 from calib.diagnosis.recorded.sensor import Sensor
-from calib.diagnosis.statistics.block_sums import PADDING, BlockSums, Floats
+from calib.diagnosis.statistics.block_sums import BlockSums, Floats
 from calib.diagnosis.statistics.rare import rare_events
 from calib.diagnosis.statistics.repeats import repeated_lines
 from calib.diagnosis.statistics.settled_mean import settled_mean
+from calib.diagnosis.statistics.spectrum import power_spectrum
 from calib.kernels.residual_products import residual_products
 from calib.kernels.sums import line_sums
 from calib.recording.protocol import Recording
@@ -86,7 +86,7 @@ def block_sums(
         sigma,
         rare_events(samples, mean, sigma, products.outliers, int(repeated.sum())),
         np.bincount(flat.ravel(), minlength=sensor.camera.full_scale_dn + 1),
-        _power(flat[:lines], mean.ravel(), cut.ravel()),
+        power_spectrum(flat[:lines], mean.ravel(), cut.ravel()),
         lines,
     )
 
@@ -113,11 +113,3 @@ def _sigma(variance: Floats, n: int, sensor: Sensor) -> Floats:
         clipped = np.clip(variance, (1.0 - own) * local, (1.0 + own) * local)
         held[of_tap] = clipped[of_tap]
     return np.sqrt(held)
-
-
-def _power(flat: NDArray[np.generic], mean: Floats, cut: Floats) -> NDArray[np.float32]:
-    """Return the power spectrum, (2 n_lines, n_pixels // 2 + 1); its mean is the variance."""
-    plane = flat.astype(np.float32) - mean.astype(np.float32)
-    plane[np.abs(plane) > cut.astype(np.float32)] = 0.0
-    spectrum = fft.rfft2(plane, s=(PADDING * len(plane), plane.shape[1]), workers=2)
-    return np.asarray((spectrum.real**2 + spectrum.imag**2) / np.float32(plane.size))

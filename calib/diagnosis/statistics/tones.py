@@ -5,15 +5,25 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import gamma
+from scipy.ndimage import uniform_filter1d
 
 from calib.diagnosis.statistics.block_sums import PADDING, BlockSums
+from calib.diagnosis.statistics.exponential_sums import log_chance
 
 Floats = NDArray[np.float64]
 
-SIGNIFICANT = 18.0
-"""Deviance beyond what the highest of all peaks has by chance."""
+SIGNIFICANT = 15.0
+"""Deviance beyond what the highest of all peaks has by chance: in four searches, of what is alike
+in all columns and of what is not, once for each way in which a tone may go with the signal, chance
+reaches that in 4 exp(-15 / 2) = 2 of a thousand recordings."""
 MOST_PEAKS = 2
+FLOOR_SAMPLES = 4096
+"""White levels are told from so many samples of the spectrum, lest their errors make peaks."""
+MEDIAN_STD = 1.44
+"""1 / ln 2: the median of n exponential variables scatters by this / sqrt(n) of itself."""
+FAR_ABOVE = 4.0
+SLOW = 3
+"""So many half cycles a block are no tone: slow changes have power there."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +32,8 @@ class Peak:
 
     Attributes:
         cycles_per_line: Its line frequency, -0.5 to 0.5.
-        cycles_along: Cycles along a line's (a frame's) pixels.
+        cycles_along: Cycles along a line's (a frame's) pixels, whole ones, to which those per line
+            come, for a tone that runs on from pixel to pixel; 0 where all pixels share it.
         squared_amplitude_dn2: Of each block, what the spectrum's floor gives taken off.
         std_dn2: Its standard deviation.
         deviance: By which it stands out.
@@ -37,7 +48,8 @@ class Peak:
     def squared_amplitude(self, lines: Floats) -> float:
         """Return the squared amplitude of lines, (n_lines, n_pixels), at this frequency."""
         n, n_pixels = lines.shape
-        along = np.exp(-2j * np.pi * self.cycles_along * np.arange(n_pixels) / n_pixels)
+        turns = self.cycles_along + self.cycles_per_line if self.cycles_along else 0.0
+        along = np.exp(-2j * np.pi * turns * np.arange(n_pixels) / n_pixels)
         down = np.exp(-2j * np.pi * self.cycles_per_line * np.arange(n))
         power = abs(down @ (lines - lines.mean()) @ along) ** 2
         return float(power * (2.0 / (n * n_pixels)) ** 2)
@@ -45,15 +57,17 @@ class Peak:
     def frequencies_hz(self, line_period_s: float) -> tuple[float, ...]:
         """Return what may be at work, Hz: a tone of that frequency, or of half of it, or folded."""
         f = self.cycles_per_line
-        nearest = self.cycles_along + ((f - self.cycles_along + 0.5) % 1.0 - 0.5)
         if self.cycles_along > 0:
-            return (nearest / line_period_s,)
+            return ((self.cycles_along + f) / line_period_s,)
         folded = (abs(f), 1.0 - abs(f), 1.0 + abs(f))
         return tuple(x / (k * line_period_s) for x in folded for k in (2.0, 1.0) if x > 0)
 
 
 def find_peaks(sums: Sequence[BlockSums], signal: Floats) -> tuple[Peak, ...]:
     """Return the peaks that stand out of all blocks' spectra together.
+
+    Of a weak tone a block's power over its noise tells most where blocks count by what they have
+    of it: a tone of the electronics by 1 / noise, one of the light by signal^2 / noise.
 
     Args:
         sums: The blocks; those of the commonest length count.
@@ -65,13 +79,15 @@ def find_peaks(sums: Sequence[BlockSums], signal: Floats) -> tuple[Peak, ...]:
     if shape[0] < 16:
         return ()
     floors = {b: _floor(sums[b].power) for b in used}
-    even = np.ones(len(used))
-    bright = np.maximum(signal[used], 0.0) ** 2
+    noise = np.array([float(floors[b].mean()) for b in used])
     peaks: list[Peak] = []
-    for weights in (even, bright / max(float(bright.max()), 1e-300)):
+    for tone in (np.ones(len(used)), np.maximum(signal[used], 0.0)):
+        weights = tone**2 / noise
         if weights.sum() > 0:
+            weights /= weights.max()
             stacked = sum(w * sums[b].power / floors[b] for w, b in zip(weights, used, strict=True))
-            peaks += _highest(np.asarray(stacked, np.float64), weights, sums, used, floors)
+            places = _highest(np.asarray(stacked, np.float64), weights)
+            peaks += [_peak(*place, sums, used, floors) for place in places]
     best: dict[tuple[int, int], Peak] = {}
     for peak in sorted(peaks, key=lambda p: -p.deviance):
         best.setdefault((round(peak.cycles_per_line * shape[0] / 4), peak.cycles_along), peak)
@@ -79,37 +95,69 @@ def find_peaks(sums: Sequence[BlockSums], signal: Floats) -> tuple[Peak, ...]:
 
 
 def _floor(power: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return the white level at each column frequency, (1, n): the median over line frequencies."""
+    """Return the white level at each column frequency, (1, n): the median over line frequencies.
+
+    That of few lines scatters: a frequency counts with those about it, if it is not far above them,
+    as where pixels of a line or of a tap have noise in common.
+    """
     # Frequencies lie half as far apart as lines resolve: every second one tells all.
     few = np.ascontiguousarray(power[::PADDING].T)
-    median = np.median(few, axis=1, overwrite_input=True)[None] / np.float32(np.log(2.0))
-    if len(power) < 64:
-        median[:, 2:] = median[:, 2:].mean()
-    return np.asarray(np.maximum(median, np.float32(1e-9)))
+    own = np.median(few, axis=1, overwrite_input=True) / np.float32(np.log(2.0))
+    n = few.shape[1]
+    about = own.copy()
+    about[1:] = uniform_filter1d(own[1:], min(FLOOR_SAMPLES // n + 1, len(own)), mode="nearest")
+    about[0] = about[min(1, len(own) - 1)]
+    above = own > about * (1.0 + FAR_ABOVE * MEDIAN_STD / np.sqrt(n))
+    return np.asarray(np.maximum(np.where(above, own, about), np.float32(1e-9)))[None]
 
 
-def _highest(
-    stacked: Floats,
-    weights: Floats,
+def _highest(stacked: Floats, weights: Floats) -> list[tuple[int, int, float]]:
+    """Return the highest place of what is alike in all columns, and of what is not, if any.
+
+    Each with the deviance by which it stands out of what the highest of as many has by chance. What
+    all columns have in common is real: the second half of its spectrum repeats the first, and where
+    the two meet power is no exponential variable, as in the column that turns each pixel.
+    """
+    level, n = stacked.copy(), len(stacked) // 2
+    level[:SLOW, 0] = 0.0
+    for real in (0, -1):
+        level[n - SLOW + 1 : n + SLOW, real] = 0.0
+    level[:SLOW, -1] = level[1 - SLOW :, -1] = 0.0
+    found = []
+    for first, part in ((0, level[:n, :1]), (1, level[:, 1:])):
+        if part.size == 0:
+            continue
+        k, along = np.unravel_index(int(np.argmax(part)), part.shape)
+        height = float(part[k, along]) / max(_level(stacked[:, first + along], weights), 1.0)
+        chance = log_chance(height, weights) + np.log(part.size)
+        if -2.0 * chance > SIGNIFICANT:
+            found.append((int(k), int(along) + first, -2.0 * chance))
+    return found
+
+
+def _level(column: Floats, weights: Floats) -> float:
+    """Return by how much the median of a column's stacked powers exceeds that of white noise.
+
+    A sum of weighted exponential variables has nearly gamma's median (Wilson and Hilferty, 1931).
+    """
+    shape = weights.sum() ** 2 / (weights**2).sum()
+    return float(np.median(column) / (weights.sum() * (1.0 - 1.0 / (9.0 * shape)) ** 3))
+
+
+def _peak(  # noqa: PLR0917 - where it is, and what it is told from
+    k: int,
+    along: int,
+    deviance: float,
     sums: Sequence[BlockSums],
     used: Sequence[int],
     floors: dict[int, NDArray[np.float32]],
-) -> list[Peak]:
-    """Return the highest peak of a weighted sum of spectra where chance does not reach it."""
-    stacked = stacked.copy()
-    stacked[:3, 0] = stacked[-2:, 0] = 0.0
-    freedom = weights.sum() ** 2 / (weights**2).sum()
-    scale = (weights**2).sum() / weights.sum()
-    k, along = np.unravel_index(int(np.argmax(stacked)), stacked.shape)
-    chance = float(gamma.logsf(stacked[k, along] / scale, freedom)) + np.log(stacked.size)
-    if -2.0 * chance < SIGNIFICANT:
-        return []
-    n = stacked.shape[0]
+) -> Peak:
+    """Return the peak at a place of the spectra."""
     values, stds = np.zeros(len(sums)), np.full(len(sums), np.inf)
     for b in used:
         floor = float(floors[b][0, along])
         factor = 4.0 / (sums[b].spectrum_lines * (sums[b].mean_dn.size))
         values[b] = (float(sums[b].power[k, along]) - floor) * factor
         stds[b] = floor * factor
-    cycles = float((k / n + 0.5) % 1.0 - 0.5)
-    return [Peak(cycles, int(along), tuple(values), tuple(stds), -2.0 * chance)]
+    cycles = float((k / len(sums[used[0]].power) + 0.5) % 1.0 - 0.5)
+    return Peak(cycles, along, tuple(values), tuple(stds), deviance)

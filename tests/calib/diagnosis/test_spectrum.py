@@ -1,0 +1,119 @@
+"""What stands out of spectra: none of it by chance, and all of a tone's power is there to stand."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+from numpy.typing import NDArray
+from scipy.stats import gamma, rice
+
+from calib.diagnosis.evidence.tone_scale import ToneScale
+from calib.diagnosis.statistics import tones
+from calib.diagnosis.statistics.exponential_sums import log_chance
+from calib.diagnosis.statistics.spectrum import power_spectrum
+
+LINES, COLUMNS, READ_DN2 = 40, 96, 4.0
+SIGNAL = np.array([0.0, 0.0, 50.0, 100.0, 300.0, 1000.0])
+
+
+@dataclass(frozen=True)
+class Block:
+    """What is looked at for peaks."""
+
+    power: NDArray[np.float32]
+    mean_dn: NDArray[np.float64]
+    spectrum_lines: int = LINES
+
+
+def block(residual: NDArray[np.float64]) -> Block:
+    residual = residual - residual.mean(axis=0)
+    far = np.full(COLUMNS, np.inf)
+    return Block(power_spectrum(residual, np.zeros(COLUMNS), far), np.zeros((1, COLUMNS)))
+
+
+def blocks(cycles: float, amplitude_dn: float, rng: np.random.Generator) -> list[Block]:
+    """Return blocks with a tone of `cycles` a line, at another phase in each."""
+    turns = cycles * np.arange(LINES * COLUMNS).reshape(LINES, COLUMNS) / COLUMNS
+    return [
+        block(
+            np.sqrt(READ_DN2 + 0.2 * signal) * rng.standard_normal((LINES, COLUMNS))
+            + amplitude_dn * np.sin(2 * np.pi * (turns + rng.random()))
+        )
+        for signal in SIGNAL
+    ]
+
+
+@pytest.mark.parametrize(("n", "n_pixels"), [(7, 16), (8, 15), (5, 9)])
+def test_power_is_that_of_a_tone_through_all_samples_in_turn(n: int, n_pixels: int) -> None:
+    rng = default_rng()
+    samples = rng.standard_normal((n, n_pixels))
+    power = power_spectrum(samples, np.zeros(n_pixels), np.full(n_pixels, np.inf))
+    time = np.arange(n * n_pixels) / n_pixels
+    for k, c in [(k, c) for k in range(2 * n) for c in range(power.shape[1])]:
+        f = (k / (2 * n) + 0.5) % 1.0 - 0.5
+        at = time if c else np.floor(time)
+        direct = abs(np.exp(-2j * np.pi * (c + f) * at) @ samples.ravel()) ** 2 / samples.size
+        # Single precision, 6e-8, over a hundred terms.
+        assert power[k, c] == pytest.approx(direct, rel=1e-4, abs=1e-4)
+
+
+@pytest.mark.parametrize("of", [1, 2, 18])
+def test_a_sum_of_alike_exponential_variables_is_gamma_s(of: int) -> None:
+    for x in (2.0 * of + 2.0, 4.0 * of + 20.0):
+        # The saddlepoint's own error: 4 % of the probability far out, for one variable.
+        assert log_chance(x, np.ones(of)) == pytest.approx(gamma.logsf(x, of), abs=0.05)
+
+
+def test_a_sum_of_unlike_exponential_variables_dies_away_with_the_largest() -> None:
+    w = np.array([1.0, 0.5, 0.1])
+    share = [np.prod([a / (a - b) for b in w if b != a]) for a in w]
+    for x in (3.0, 10.0, 30.0):
+        exact = np.log(np.sum(share * np.exp(-x / w)))
+        assert log_chance(x, w) == pytest.approx(exact, abs=0.05)
+
+
+def test_chance_makes_peaks_no_more_often_than_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    often = 6.0  # exp(-often / 2) of the four searches have a peak, at the most
+    monkeypatch.setattr(tones, "SIGNIFICANT", often)
+    rng, runs = default_rng(), 200
+    found = sum(bool(tones.find_peaks(blocks(0.0, 0.0, rng), SIGNAL)) for _ in range(runs))
+    most = runs * 4.0 * np.exp(-often / 2.0)
+    assert found < most + 3.0 * np.sqrt(most)
+    # Padding counts each frequency twice, and peaks of two searches may be one.
+    assert found > most / 4.0 - 3.0 * np.sqrt(most / 4.0)
+
+
+@pytest.mark.parametrize("cycles", [17.0 + 10.5 / LINES, 17.5 + 0.25 / LINES, 30.2])
+def test_a_tone_is_found_wherever_it_lies_between_columns_frequencies(cycles: float) -> None:
+    # Twice its deviance is N a^2 / v, summed: 2 x 50 in the darkest two blocks alone.
+    amplitude = np.sqrt(100.0 * READ_DN2 / (LINES * COLUMNS))
+    rng, runs, found = default_rng(), 12, 0
+    for _ in range(runs):
+        peaks = tones.find_peaks(blocks(cycles, amplitude, rng), SIGNAL)
+        near = [p for p in peaks if abs(p.cycles_along + p.cycles_per_line - cycles) < 1 / LINES]
+        found += bool(near)
+    assert found >= runs - 2
+
+
+@pytest.mark.parametrize("over_noise", [0.0, 2.0, 20.0, 200.0])
+def test_tones_scatter_by_1_at_the_most_weak_or_strong(over_noise: float) -> None:
+    n = 4000
+    amplitude = default_rng().normal((np.sqrt(2.0 * over_noise), 0.0), 1.0, (n, 2))
+    seen = (amplitude**2).sum(axis=1) / 2.0 - 1.0
+    z = ToneScale(np.zeros((n, 1)), np.ones((n, 1))).whitened(seen[:, None])
+    expected = float(rice.std(np.sqrt(2.0 * over_noise)))
+    assert z.std() == pytest.approx(expected, abs=4.0 / np.sqrt(2.0 * n))
+    assert z.std() < 1.0 + 4.0 / np.sqrt(2.0 * n)
+
+
+def test_a_tone_that_grows_moves_as_the_derivative_says() -> None:
+    rng = default_rng()
+    scale = ToneScale(rng.uniform(0.0, 30.0, (6, 2)), rng.uniform(0.5, 2.0, (6, 2)))
+    about, change, small = rng.uniform(0.0, 30.0, (6, 2)), rng.uniform(1.0, 9.0, (6, 2)), 1e-5
+    kept = np.arange(6) != 2
+    moved = scale.whitened(about + small * change, kept) - scale.whitened(about, kept)
+    slope = scale.derivative(change, about, kept)
+    np.testing.assert_allclose(moved / small, slope, rtol=1e-3, atol=1e-9)
+    assert (slope.reshape(6, 2)[2] == 0.0).all()
+    assert (slope.reshape(6, 2)[kept] > 0.0).all()
