@@ -18,9 +18,10 @@ from calib.diagnosis.statistics.noisy import NOISY_SIGMA, few
 
 Floats = NDArray[np.float64]
 
-MOST_OF_A_BLOCK = 4.0
+MOST_OF_A_BLOCK = 5.5
 """Standard deviations for which one block counts at the most: single samples far out raise the
-variance of a block or two by any amount, and jumps that of most."""
+variance of a block by any amount, and jumps that of most. Two blocks alone, as the only dark ones
+among lit ones, in whose noise jumps are lost, come to 5.5 sqrt(2) = 7.8; one does not come to 6."""
 MAD_OF_NORMAL = 0.6745
 """Median absolute deviation of a standard normal variable."""
 

@@ -1,6 +1,7 @@
 """What stands out of spectra: none of it by chance, and all of a tone's power is there to stand."""
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from scipy.stats import gamma, rice
 
 from calib.diagnosis.evidence.tone_scale import ToneScale
 from calib.diagnosis.statistics import tones
+from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.exponential_sums import log_chance
 from calib.diagnosis.statistics.spectrum import power_spectrum
 
@@ -32,16 +34,17 @@ def block(residual: NDArray[np.float64]) -> Block:
     return Block(power_spectrum(residual, np.zeros(COLUMNS), far), np.zeros((1, COLUMNS)))
 
 
-def blocks(cycles: float, amplitude_dn: float, rng: np.random.Generator) -> list[Block]:
+def blocks(cycles: float, amplitude_dn: float, rng: np.random.Generator) -> list[BlockSums]:
     """Return blocks with a tone of `cycles` a line, at another phase in each."""
     turns = cycles * np.arange(LINES * COLUMNS).reshape(LINES, COLUMNS) / COLUMNS
-    return [
+    found = [
         block(
             np.sqrt(READ_DN2 + 0.2 * signal) * rng.standard_normal((LINES, COLUMNS))
             + amplitude_dn * np.sin(2 * np.pi * (turns + rng.random()))
         )
         for signal in SIGNAL
     ]
+    return cast("list[BlockSums]", found)
 
 
 @pytest.mark.parametrize(("n", "n_pixels"), [(7, 16), (8, 15), (5, 9)])
