@@ -22,6 +22,9 @@ MOST_OF_A_BLOCK = 5.5
 """Standard deviations for which one block counts at the most: single samples far out raise the
 variance of a block by any amount, and jumps that of most. Two blocks alone, as the only dark ones
 among lit ones, in whose noise jumps are lost, come to 5.5 sqrt(2) = 7.8; one does not come to 6."""
+ALIKE = 0.95
+"""What grows explains so much more before it is preferred: of two exposures, one twice the other,
+a constant explains 0.9 of what grows with them; of two dark blocks of one exposure, all of it."""
 MAD_OF_NORMAL = 0.6745
 """Median absolute deviation of a standard normal variable."""
 
@@ -61,7 +64,7 @@ def jumping_pixels(evidence: Evidence) -> Jumping:
     exposure = evidence.table.exposure_us[:, None] * ones
     light = np.maximum(evidence.signal_dn, 0.0)[:, None]
     for grown in (exposure, light, light**2):
-        far &= _explained(weight, excess, ones) > _explained(weight, excess, grown)
+        far &= _explained(weight, excess, ones) > ALIKE * _explained(weight, excess, grown)
     pixels = few(np.flatnonzero(far), len(z))
     added = np.average(excess[:, pixels], axis=0, weights=weight[:, pixels])
     added = np.maximum(added, 0.0)
