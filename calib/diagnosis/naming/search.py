@@ -61,7 +61,7 @@ def find(contest: Contest, nothing: Model) -> Model:
 
 
 def _is_told(model: Model, contest: Contest) -> bool:
-    """Return whether a model may stand: a law that may be any other has no excuse for remainders."""
+    """Return whether a model may stand: a law that may be any has no excuse for remainders."""
     plain = not any(m.course for m in model.members)
     return plain or unexplained_deviance(model, contest.evidence) == 0.0
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.random import default_rng
@@ -19,7 +18,29 @@ Floats = NDArray[np.float64]
 
 NODES = 64
 """Quantiles of the normal distribution, of equal weight."""
-_CHANCE = default_rng(0)
+SMOOTH_NODES = 8
+"""As many do where nothing is rounded."""
+ROUNDED_DN = 0.5
+"""Noise beyond this averages rounding out of a mean: exp(-2 pi^2 std^2) of it is left."""
+
+
+def moved_by_codes(chain: FittedChain, effects: Sequence[Effect], moved: Floats) -> Floats:
+    """Return by how much effects of codes move all means, DN, (n_blocks, n_pixels).
+
+    Few drawn lines would tell by how rounding scatters in them.
+
+    Args:
+        chain: Of the links.
+        effects: Those that act on codes count.
+        moved: By how much the others move the means, DN, likewise.
+    """
+    mean = chain.baseline.mean_dn.reshape(moved.shape) + moved
+    variance = chain.baseline.variance_dn2.reshape(moved.shape)
+    first = [chain.table.at(b, np.zeros(1)) for b in range(len(mean))]
+    return np.stack([
+        coded_means(chain, effects, at, *of_block)
+        for at, *of_block in zip(first, mean, variance, strict=True)
+    ])  # fmt: skip
 
 
 def coded_means(
@@ -36,19 +57,21 @@ def coded_means(
     """
     coded = [e for e in effects if e.stage >= Stage.CODES]
     std = np.sqrt(np.maximum(variance - 1.0 / 12.0, 1e-4))
-    lines = (mean + _nodes()[:, None] * std).reshape(NODES, *chain.sensor.sample)
-    at = replace(at, line_times_s=np.full(NODES, float(at.line_times_s[0])))
     adc = Adc(chain.sensor.camera.bit_depth)
-    moved, plain = (_run(links, lines, at) for links in ((*coded, adc), (adc,)))
+    smooth = std.min() > ROUNDED_DN and all(place_of(e) < place_of(adc) for e in coded)
+    n = SMOOTH_NODES if smooth else NODES
+    nodes = norm.ppf((np.arange(n) + 0.5) / n)
+    lines = (mean + nodes[:, None] * std).reshape(n, *chain.sensor.sample)
+    at = replace(at, line_times_s=np.full(n, float(at.line_times_s[0])))
+    if smooth:
+        top = float(chain.sensor.camera.full_scale_dn)
+        moved, plain = (np.clip(_run(links, lines, at), 0.0, top) for links in (coded, ()))
+    else:
+        moved, plain = (_run(links, lines, at) for links in ((*coded, adc), (adc,)))
     return np.asarray((moved - plain).mean(axis=0).ravel())
-
-
-@lru_cache
-def _nodes() -> Floats:
-    return np.asarray(norm.ppf((np.arange(NODES) + 0.5) / NODES))
 
 
 def _run(links: Sequence[Effect], lines: Floats, at: Conditions) -> Floats:
     for link in sorted(links, key=place_of):
-        lines = np.asarray(link.apply(lines, at, _CHANCE), np.float64)
+        lines = np.asarray(link.apply(lines, at, default_rng(0)), np.float64)
     return lines

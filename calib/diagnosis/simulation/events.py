@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.diagnosis.baseline.code_counts import CLASSES
-from calib.diagnosis.simulation.coded_means import coded_means
+from calib.diagnosis.simulation.coded_means import moved_by_codes
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.with_values import with_values
 from calib.diagnosis.statistics.change import Change
@@ -77,14 +77,8 @@ def _unit(dense: Departure, density: Density, responder: Responder) -> Change:
 def _means(dense: Departure, density: Density, responder: Responder) -> np.ndarray:
     """Return the change of means, DN: samples that stand out are left out of them."""
     chain = responder.chain
-    base = chain.baseline
+    nothing = np.zeros((len(chain.table.blocks), chain.sensor.n_pixels))
     if dense.stage != Stage.CODES:
-        return np.zeros((len(chain.table.blocks), chain.sensor.n_pixels))
+        return nothing
     always = with_values(dense, {density.parameter: 1.0})
-    return np.stack([
-        density.dense * coded_means(
-            chain, (always,), chain.table.at(b, np.zeros(1)), base.mean_dn[b].ravel(),
-            base.variance_dn2[b].ravel(),
-        )
-        for b in range(len(base.mean_dn))
-    ])  # fmt: skip
+    return density.dense * moved_by_codes(chain, (always,), nothing)

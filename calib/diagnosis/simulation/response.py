@@ -11,6 +11,7 @@ from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.baseline.code_counts import fine_blocks
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.chain_run import FittedChain
+from calib.diagnosis.simulation.coded_means import moved_by_codes
 from calib.diagnosis.simulation.drawn_lines import Drawn, drawn_of
 from calib.diagnosis.simulation.known_changes import KnownChanges
 from calib.diagnosis.simulation.mean_change import mean_change, scatter_change
@@ -91,7 +92,7 @@ class Responder:
         drawn = [self._drawn(e, lefts, draw, coded=coded, sign=sign) for sign, e in signed.items()]
         plain = (self.plain or self).plain_drawn(draw, coded=coded)
         if coded and sampled:
-            means = means + self._of_codes(drawn[0], others, lefts, draw)
+            means = means + moved_by_codes(self.chain, effects, means)
         table = self.chain.table
         weight = table.n_lines - 1
         variance = self.chain.baseline.variance_dn2
@@ -118,7 +119,12 @@ class Responder:
             moved,
             self._by_conditions(rare, trials),
             ratio,
-            _codes([d.codes for d in drawn], plain.codes, (weight + 1) * self._fine, coded=coded),
+            _codes(
+                [d.codes for d in drawn],
+                plain.codes,
+                (weight + 1) * self._fine,
+                coded=any(map(_is_in_histogram, effects)),
+            ),
             tones.at_peaks(self.peaks, len(table.blocks)),
             np.zeros(len(ratio)),
         )
@@ -126,18 +132,6 @@ class Responder:
     def _no_change_of_means(self) -> tuple[Floats, Floats]:
         blocks = len(self.chain.table.blocks)
         return np.zeros((blocks, self.chain.sensor.n_pixels)), np.zeros((blocks, ONSET_LINES))
-
-    def _of_codes(
-        self, drawn: Drawn, others: Sequence[Effect], lefts: Sequence[Left | None], draw: int
-    ) -> Floats:
-        """Return what codes change in the means, (n_blocks, n_pixels), rounding itself left out."""
-        before = self.plain_drawn(draw, coded=False)
-        if others:
-            before = self._drawn(others, lefts, draw, coded=False)
-        rounding = (
-            self.plain_drawn(draw, coded=True).means - self.plain_drawn(draw, coded=False).means
-        )
-        return np.asarray(drawn.means - before.means - rounding)
 
     def _cleaned(self, noisy: NDArray[np.intp]) -> tuple[Counts, Sensor]:
         if len(noisy) == 0:
@@ -223,6 +217,13 @@ class Responder:
 
 def _mean(values: Sequence[Floats]) -> Floats:
     return values[0] if len(values) == 1 else np.mean(values, axis=0)
+
+
+def _is_in_histogram(effect: Effect) -> bool:
+    """Return whether an effect changes how often codes are seen about a pixel's own mean."""
+    if effect.stage < Stage.CODES or not isinstance(effect, Departure):
+        return False
+    return effect.shows_in == "histogram"
 
 
 def _codes(drawn: Sequence[Floats], plain: Floats, weight: Floats, *, coded: bool) -> Floats:

@@ -4,6 +4,7 @@ from scipy.stats import norm
 
 from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.diagnosis.simulation.coded_means import NODES, coded_means
+from calib.forward.effects.adc_inl import AdcInl
 from calib.forward.effects.black_clip import BlackClip
 from calib.forward.effects.stuck_bit import StuckBit
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
@@ -39,3 +40,17 @@ def test_a_bit_that_always_sticks_sets_it_and_moves_nothing_else() -> None:
         chain, (StuckBit(1.0, 3, 1),), chain.table.at(0, np.zeros(1)), mean + 3.5, np.full(64, 0.2)
     )
     np.testing.assert_allclose(moved, np.where(mean == 64.0, 8.0, 0.0), atol=0.01)
+
+
+def test_a_smooth_error_moves_means_by_itself_averaged_over_the_noise() -> None:
+    # The mean of sin(k x) over noise of standard deviation s in x is exp(-k^2 s^2 / 2) sin(k x).
+    chain, std = fitted_chain(), 40.0
+    mean = np.linspace(500.0, 3500.0, 64)
+    moved = coded_means(
+        chain, (AdcInl(0.0, 2.0, 0.0),), chain.table.at(0, np.zeros(1)), mean,
+        np.full(64, std**2 + 1 / 12),
+    )  # fmt: skip
+    x, spread = 2.0 * np.pi * mean / 4095.0, 2.0 * np.pi * std / 4095.0
+    # Quantiles of equal weight have a variance that is short by a share of about 1 / n.
+    expected = 2.0 * np.sin(x) * np.exp(-(spread**2) / 2.0)
+    np.testing.assert_allclose(moved, expected, atol=2.0 * spread**2 / 2.0)
