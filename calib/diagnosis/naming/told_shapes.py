@@ -13,6 +13,7 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.jumping_shapes import jumping_shapes
 from calib.diagnosis.naming.repeated import repeated_shapes
 from calib.diagnosis.naming.shapes import Shape
+from calib.diagnosis.naming.turning_shapes import turning_shapes
 from calib.forward.effects.adc_dnl import AdcDnl
 from calib.forward.effects.adc_inl import AdcInl
 from calib.forward.effects.cosmic_rays import CosmicRays
@@ -24,12 +25,6 @@ from calib.forward.effects.stuck_bit import StuckBit
 
 Floats = NDArray[np.float64]
 
-SINES = 12
-"""Of a converter's nonlinearity."""
-TURNS = 2
-"""A smooth error of the code turns so often at least; what bends once or twice is the signal's."""
-CLEAR_SIGMA = 3.0
-"""Between two turns it moves by so much at least."""
 COMBS = (2, 4, 8, 16)
 """Periods of code widths that are told one by one."""
 BITS = 4
@@ -45,7 +40,7 @@ def told_shapes(evidence: Evidence) -> dict[str, tuple[Shape, ...]]:
     return {
         HotPixels.name: _hot(evidence),
         RtsPixels.name: jumping_shapes(evidence),
-        AdcInl.name: _inl(evidence),
+        AdcInl.name: turning_shapes(evidence),
         AdcDnl.name: _dnl(evidence),
         StuckBit.name: _stuck(evidence),
         CosmicRays.name: _of_noise(CosmicRays, "per_pixel_s", "electrons", TRACK_NOISES, evidence),
@@ -90,50 +85,6 @@ def _hot(evidence: Evidence) -> tuple[Shape, ...]:
     template = HotPixels(pixels=pixels, rates_e_per_us=rates)
     varied = (("rates_e_per_us", rates, 0.0),)
     return (Shape(template, varied, two_sided=False, freedom=freedom),)
-
-
-def _inl(evidence: Evidence) -> tuple[Shape, ...]:
-    """Return the sum of sines of the code that the residual means follow, where it turns often."""
-    top = evidence.sensor.camera.full_scale_dn
-    x = np.pi * np.clip(evidence.baseline.mean_dn.reshape(evidence.n_blocks, -1) / top, 0.0, 1.0)
-    residual = evidence.space.project(evidence.observed_means)
-    sines = [evidence.space.project(np.sin(k * x)) for k in range(1, SINES + 1)]
-    gram = np.array([[evidence.space.product(a, b) for b in sines] for a in sines])
-    along = np.array([evidence.space.product(a, residual) for a in sines])
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-12))
-    covariance = np.linalg.pinv(gram * np.outer(scale, scale), rcond=1e-4) * np.outer(scale, scale)
-    heights = covariance @ along
-    used = evidence.space.weight > 0
-    if not used.any() or _turns(heights, covariance, x[used]) < TURNS:
-        return ()
-    bow, s, w, *higher = (float(h) for h in heights)
-    template = AdcInl(bow, s, w, tuple(higher), bit_depth=evidence.sensor.camera.bit_depth)
-    varied = (
-        ("bow_dn", bow, 0.0), ("s_dn", s, 0.0), ("w_dn", w, 0.0), ("higher_dn", tuple(higher), 0.0),
-    )  # fmt: skip
-    return (Shape(template, varied, two_sided=True, freedom=float(SINES)),)
-
-
-def _turns(heights: Floats, covariance: Floats, x: Floats) -> int:
-    """Return how often the sum of sines turns over the codes x, pi DN / full scale, for sure."""
-    k = np.arange(1, SINES + 1)
-    grid = np.unique(np.quantile(x, np.linspace(0.0, 1.0, 48)))
-    basis = np.sin(np.outer(grid, k))
-    line = np.stack([np.ones_like(grid), grid], axis=1)
-    # What is straight in the code is offset and slope.
-    off_line = np.eye(len(grid)) - line @ np.linalg.pinv(line)
-    curve, spread = off_line @ basis @ heights, off_line @ basis @ covariance @ basis.T @ off_line.T
-    turns, extreme, way = 0, 0, 0
-    for j in range(1, len(grid)):
-        move = curve[j] - curve[extreme]
-        std = np.sqrt(
-            max(spread[j, j] + spread[extreme, extreme] - 2.0 * spread[j, extreme], 1e-18)
-        )
-        if way * move > 0:
-            extreme = j
-        elif abs(move) > CLEAR_SIGMA * std:
-            turns, extreme, way = turns + (way != 0), j, int(np.sign(move))
-    return turns
 
 
 def _dnl(evidence: Evidence) -> tuple[Shape, ...]:
