@@ -22,6 +22,8 @@ MOST_OF_A_BLOCK = 5.5
 """Standard deviations for which one block counts at the most: single samples far out raise the
 variance of a block by any amount, and jumps that of most. Two blocks alone, as the only dark ones
 among lit ones, in whose noise jumps are lost, come to 5.5 sqrt(2) = 7.8; one does not come to 6."""
+SHOWS = 2.0
+"""Standard deviations by which a block's variance is at least larger, where jumps add 5.5."""
 ALIKE = 0.95
 """What grows explains so much more before it is preferred: of two exposures, one twice the other,
 a constant explains 0.9 of what grows with them; of two dark blocks of one exposure, all of it."""
@@ -68,7 +70,19 @@ def jumping_pixels(evidence: Evidence) -> Jumping:
     pixels = few(np.flatnonzero(far), len(z))
     added = np.average(excess[:, pixels], axis=0, weights=weight[:, pixels])
     added = np.maximum(added, 0.0)
+    lasts = _shows_where_it_would(np.sqrt(weight[:, pixels]), excess[:, pixels], added)
+    pixels, added = pixels[lasts], added[lasts]
     return Jumping(pixels, added, _deviance(evidence.n, expected[:, pixels], added))
+
+
+def _shows_where_it_would(root: Floats, excess: Floats, added: Floats) -> NDArray[np.bool_]:
+    """Return whether what is added shows in most blocks in which it would, (n_pixels,).
+
+    Two rays that happen to hit a pixel in two dark blocks raise no other block's variance.
+    """
+    would = root * added > MOST_OF_A_BLOCK
+    shows = would & (root * excess > SHOWS)
+    return np.asarray(2 * shows.sum(axis=0) >= would.sum(axis=0))
 
 
 def _deviance(n: Floats, expected: Floats, added: Floats) -> Floats:
