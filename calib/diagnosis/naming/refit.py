@@ -56,7 +56,8 @@ def _fitted(model: Model, evidence: Evidence, responder: Responder) -> tuple[Mod
         members = _with_std(members, std)
         now = replace(model, members=members, change=change, residual=residual, baseline=baseline)
         moving = _moving(members)
-        ahead = float(np.max(np.abs(steps / np.maximum(std, 1e-300))[moving], initial=0.0))
+        told = moving & (std > 0.0)
+        ahead = float(np.max(np.abs(steps[told] / std[told]), initial=0.0))
         tried.append(Turn(now, ahead, misfit(now, evidence)))
         converged = not moving.any() or (ahead < LEAST_STEP and turn > 0)
         if converged or stalled(tried):
@@ -182,10 +183,9 @@ def _differentiated(
     trials = [(replace(member, strength=member.strength + size), size)]
     found = []
     if member.signature.shape.fixed:
-        trials, found = [], [change]
+        trials, found = [], [_alone(k, members, change, evidence, responder)]
     elif by_events(member):
-        others = tuple(m.effect for j, m in enumerate(members) if j != k)
-        alone = change - change_of(others, evidence, responder)
+        alone = _alone(k, members, change, evidence, responder)
         linear = is_of_events(member.signature.shape, responder)
         power = 1.0 if linear else member.signature.power
         trials, found = [], [alone * (power / member.strength)]
@@ -197,3 +197,15 @@ def _differentiated(
         found.append((change_of(effects, evidence, responder) - change) * (1.0 / step))
     points = tuple(evidence.derivative(each, change) for each in found)
     return replace(member, changes=tuple(found), directions=points)
+
+
+def _alone(
+    k: int,
+    members: Sequence[Member],
+    change: Change,
+    evidence: Evidence,
+    responder: Responder,
+) -> Change:
+    """Return what member `k` adds to the change that the others make without it."""
+    others = tuple(m.effect for j, m in enumerate(members) if j != k)
+    return change - change_of(others, evidence, responder) if others else change

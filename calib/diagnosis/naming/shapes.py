@@ -153,6 +153,19 @@ def _fitted_to_camera(kind: type[Departure], scales: Scales) -> Departure | None
     return effect
 
 
+def one_or_against_others(unit: Sequence[float]) -> list[tuple[float, ...]]:
+    """Return patterns in which one of several has its value alone, or as much as all others lose.
+
+    >>> one_or_against_others((2.0, 2.0))
+    [(2.0, 0.0), (0.0, 2.0), (1.0, -1.0)]
+    """
+    n = len(unit)
+    alone = [tuple(u if k == j else 0.0 for k, u in enumerate(unit)) for j in range(n)]
+    # Of two, either against the other is the same but for its sign.
+    against = [tuple(u - sum(one) / n for u in one) for one in alone[: 1 if n == 2 else n]]
+    return alone + against
+
+
 def _with_strength(
     template: Departure,
     strengths: Sequence[str],
@@ -164,10 +177,8 @@ def _with_strength(
     if tuples:
         name = tuples[0]
         unit = getattr(template, name)
-        each = [tuple(u if k == j else 0.0 for k, u in enumerate(unit)) for j in range(len(unit))]
-        return [Shape(template, ((name, one, 0.0),), told[name].low < 0) for one in each[1:]] + (
-            [] if len(each) == 2 else [Shape(template, ((name, each[0], 0.0),), told[name].low < 0)]
-        )
+        patterns = one_or_against_others(unit)
+        return [Shape(template, ((name, each, 0.0),), told[name].low < 0) for each in patterns]
     if not strengths or any(p.neutral == inf for p in told.values()):
         return [Shape(template, (), two_sided=False)]
     neutral = {n: float(told[n].neutral) for n in strengths}  # type: ignore[arg-type]

@@ -1,0 +1,29 @@
+"""An effect whose shape the recording tells whole leaves others beside it what they explain."""
+
+from functools import cache
+
+from numpy.random import default_rng
+
+from calib.diagnosis.diagnose import Examination, examine
+from calib.forward.effects.gain_drift import GainDrift
+from calib.forward.effects.rts_pixels import RtsPixels
+from tests.calib.diagnosis.recordings import plain_model, plan, recorded
+
+COLUMNS = 96
+
+
+@cache
+def examined() -> Examination:
+    rng = default_rng()
+    jumps = RtsPixels(amplitude_dn=12.0, share=0.03, dwell_up_s=0.05, dwell_down_s=0.05)
+    effects = (jumps, GainDrift(0.02, 10.0))
+    return examine(recorded(plain_model(COLUMNS), plan(rng, 120), rng, effects))
+
+
+def test_a_drift_beside_jumping_pixels_keeps_its_significance_and_they_theirs() -> None:
+    told = {finding.effect.name: finding for finding in examined().diagnosis.findings}
+    drift = told.get("gain_drift") or told["lamp_drift"]
+    assert set(told) == {"rts_pixels", drift.effect.name}
+    # Far above what makes a finding: 0.02 of the signal, over some twenty blocks of 120 lines.
+    assert drift.significance_sigma > 20.0
+    assert told["rts_pixels"].significance_sigma > 4.0
