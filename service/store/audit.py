@@ -7,7 +7,8 @@ be found by the last digest, which is worth writing down elsewhere.
 
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Generator
+from contextlib import closing
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -96,21 +97,26 @@ class Audit:
             StoreError: `audit-broken`; names the first entry that does not follow.
         """
         number, digest = 0, START
-        for row in self._rows():
-            number += 1
-            if row.number != number or row.previous != digest or row.digest != _digest(row):
-                msg = (
-                    f"audit entry {row.number} does not follow from those before it: it or entry"
-                    f" {number} was changed, removed or inserted; compare with a copy"
-                )
-                raise StoreError(msg, code="audit-broken")
-            digest = row.digest
+        with closing(self._rows()) as rows:
+            for row in rows:
+                number += 1
+                if row.number != number or row.previous != digest or row.digest != _digest(row):
+                    raise _broken(row, number)
+                digest = row.digest
         return number, digest
 
-    def _rows(self) -> Iterator[AuditRow]:
-        with reading_session(self._engine) as session:
-            query = select(AuditRow).order_by(AuditRow.number).execution_options(yield_per=_AT_ONCE)
-            yield from session.scalars(query)
+    def _rows(self) -> Generator[AuditRow, None, None]:
+        query = select(AuditRow).order_by(AuditRow.number).execution_options(yield_per=_AT_ONCE)
+        with reading_session(self._engine) as session, closing(session.scalars(query)) as rows:
+            yield from rows
+
+
+def _broken(row: AuditRow, number: int) -> StoreError:
+    msg = (
+        f"audit entry {row.number} does not follow from those before it: it or entry"
+        f" {number} was changed, removed or inserted; compare with a copy"
+    )
+    return StoreError(msg, code="audit-broken")
 
 
 def _digest(row: AuditRow) -> str:

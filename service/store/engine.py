@@ -1,4 +1,4 @@
-"""Opening the database: SQLite made fit for several writers, any other by its URL."""
+"""Opening the database: SQLite or PostgreSQL, made fit for several writers."""
 
 import sqlite3
 import time
@@ -9,30 +9,40 @@ from typing import Any
 
 from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.engine import make_url
-from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError, OperationalError
+from sqlalchemy.exc import ArgumentError, NoSuchModuleError
 from sqlalchemy.orm import Session
 
+from service.store.database_errors import store_errors
 from service.store.errors import StoreError
 
 BUSY_TIMEOUT_MS = 10_000
 """How long a writer waits for another one."""
 
 _WRITES = "darkflat_writes"
+_LOCK = int.from_bytes(b"darkflat") >> 1
+"""PostgreSQL's advisory locks are known by a number of 63 bits."""
+_OPTIONS: dict[str, dict[str, Any]] = {
+    # A reader sees one state. A server that was restarted meanwhile is connected to anew.
+    "postgresql": {"isolation_level": "REPEATABLE READ", "pool_pre_ping": True},
+}
 
 
 def open_engine(url: str) -> Engine:
     """Return an engine for `url`; StoreError `bad-store-url` where there is none."""
     try:
         parsed = make_url(url)
-        engine = create_engine(parsed)
+        engine = create_engine(parsed, **_OPTIONS.get(parsed.get_backend_name(), {}))
     except (ArgumentError, NoSuchModuleError, ImportError) as error:
-        msg = f"the store's URL {url!r} cannot be used ({error}); write sqlite:////path/to/file"
+        msg = (
+            "the store's URL cannot be used; write sqlite:////path/to/file, or"
+            " postgresql+psycopg://user@host/database"
+        )
         raise StoreError(msg, code="bad-store-url") from error
     if parsed.get_backend_name() == "sqlite":
         if parsed.database:
             _make_folder(Path(parsed.database).parent)
         event.listen(engine, "connect", _prepare)
-        event.listen(engine, "begin", _begin)
+    event.listen(engine, "begin", _begin)
     return engine
 
 
@@ -73,42 +83,26 @@ def _write_ahead(connection: sqlite3.Connection) -> None:
 
 
 def _begin(connection: Connection) -> None:
-    """Take the write lock at once where writing is meant.
+    """Let those who mean to write do so one after the other, from their first word on.
 
     A transaction that reads first and then wants to write fails when another wrote in between;
-    one that takes the lock first waits, and what it has read stays true.
+    one that takes the lock first waits, and what it has read stays true. So nothing has to be
+    tried again: on PostgreSQL each statement after the lock sees what the writer before committed.
     """
     writes = connection.get_execution_options().get(_WRITES, False)
-    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+    if connection.dialect.name == "sqlite":
+        connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+    elif writes:
+        connection.exec_driver_sql(f"SET LOCAL lock_timeout = {BUSY_TIMEOUT_MS}")
+        connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_LOCK})")
 
 
 def writing(engine: Engine) -> Engine:
     """Return `engine` for transactions that write: one after the other."""
     if engine.dialect.name == "sqlite":
         return engine.execution_options(**{_WRITES: True})
-    return engine.execution_options(isolation_level="SERIALIZABLE")
-
-
-@contextmanager
-def store_errors() -> Iterator[None]:
-    """Turn what the database says into one sentence."""
-    try:
-        yield
-    except OperationalError as error:
-        text = str(error.orig)
-        if "locked" in text or "busy" in text:
-            msg = "another process has been writing to the store for too long; try again"
-            raise StoreError(msg, code="store-busy") from error
-        if "full" in text:
-            msg = "no space left for the store; free some, or set DARKFLAT_HOME elsewhere"
-            raise StoreError(msg, code="disk-full") from error
-        msg = f"the store cannot be used ({text}); look at DARKFLAT_HOME and its rights"
-        raise StoreError(msg, code="store-not-writable") from error
-    except DatabaseError as error:
-        if isinstance(error.orig, sqlite3.DatabaseError) and "not a database" in str(error.orig):
-            msg = f"the store's file is not a database ({error.orig}); restore it from a copy"
-            raise StoreError(msg, code="store-damaged") from error
-        raise
+    # A snapshot taken at the start would be older than the lock.
+    return engine.execution_options(**{_WRITES: True}, isolation_level="READ COMMITTED")
 
 
 @contextmanager

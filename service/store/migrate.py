@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import Connection, Engine, inspect, text
 
-from service.store.engine import store_errors, writing
+from service.store.database_errors import store_errors
+from service.store.engine import writing
 from service.store.errors import StoreError
 
 if TYPE_CHECKING:
