@@ -19,11 +19,13 @@ from service.api import (
     runs,
 )
 from service.api.access import needs
+from service.api.body_limit import LimitedBodies
 from service.api.dependencies import Parts
-from service.api.hosts import OnlyKnownHosts
+from service.api.hosts import OnlyKnownHosts, OnlyOwnPages
 from service.api.jobs.runner import JobRunner
 from service.api.openapi import describe_api
 from service.api.problems import add_problem_handlers
+from service.api.security_headers import SecurityHeaders
 from service.bench.settings import BenchSettings
 from service.runs.keeper import RunKeeper
 from service.settings import Settings
@@ -59,7 +61,10 @@ def create_app(
         summary="From a camera, a light source and a stack of frames to radiance one can trust.",
         lifespan=lifespan,
     )
-    app.add_middleware(OnlyKnownHosts)
+    app.add_middleware(LimitedBodies, limit_bytes=known.max_json_bytes)
+    app.add_middleware(OnlyOwnPages)
+    app.add_middleware(OnlyKnownHosts, hosts=known.host_names)
+    app.add_middleware(SecurityHeaders)
     add_problem_handlers(app)
     app.include_router(health.router)
     for module in _ROUTES:

@@ -16,6 +16,9 @@ def _data_folder() -> Path:
     return Path(base).expanduser() / "darkflat"
 
 
+_NO_NAMES = frozenset({"", "0.0.0.0", "::"})  # noqa: S104  (to listen on, not to ask by)
+
+
 class Settings(BaseSettings):
     """Read once at the start, from the environment; a typo in a value is an error."""
 
@@ -28,12 +31,16 @@ class Settings(BaseSettings):
     bench: Path | None = None
     """The bench file; None: a simulated bench where one is needed."""
     host: str = "127.0.0.1"
+    hosts: str = ""
+    """Names beside those of loopback that the service goes by, such as `bench-3.lab,10.0.0.3`."""
     port: int = Field(default=8642, ge=0, le=65535)
     max_upload_bytes: int = Field(default=16 << 30, gt=0)
     """Of one recording, as uploaded and once unpacked."""
     max_upload_files: int = Field(default=10_000, gt=0)
     max_frames_bytes: int = Field(default=1 << 30, gt=0)
     """Of the raw lines of one `apply`."""
+    max_json_bytes: int = Field(default=32 << 20, gt=0)
+    """Of any other body: it is held in memory."""
     max_queued_jobs: int = Field(default=100, gt=0)
 
     @classmethod
@@ -46,6 +53,12 @@ class Settings(BaseSettings):
             name = "_".join(str(part) for part in first["loc"]).upper()
             msg = f"DARKFLAT_{name} = {first['input']!r}: {first['msg']}; correct or unset it"
             raise InputError(msg, code="bad-setting") from error
+
+    @property
+    def host_names(self) -> frozenset[str]:
+        """Those of `hosts`, and `host` itself, as a `Host` header has them: without a port."""
+        given = {each.strip().lower() for each in (*self.hosts.split(","), self.host)}
+        return frozenset(f"[{each}]" if ":" in each else each for each in given - _NO_NAMES)
 
     @property
     def url(self) -> str:

@@ -57,6 +57,10 @@ def describe_api(app: FastAPI) -> None:
             schemas["Problem"] = Problem.model_json_schema(
                 ref_template="#/components/schemas/{model}"
             )
+            for methods in made["paths"].values():
+                for operation in methods.values():
+                    if "requestBody" in operation:
+                        operation["responses"].setdefault("413", problems(413)[413])
             for unused in ("HTTPValidationError", "ValidationError"):
                 schemas.pop(unused, None)
             app.openapi_schema = made

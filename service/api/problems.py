@@ -127,6 +127,8 @@ def _on_invalid_request(_request: Request, error: Exception) -> JSONResponse:
 def _on_http_exception(_request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)  # noqa: S101
     code = HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
+    if error.status_code == HTTPStatus.REQUEST_ENTITY_TOO_LARGE:
+        code = "too-large"  # as everywhere else
     answer = problem(error.status_code, str(error.detail), code)
     answer.headers.update(error.headers or {})
     return answer

@@ -6,6 +6,7 @@ from fastapi import Request
 from starlette.concurrency import run_in_threadpool
 
 from calib.errors import InputError
+from service.api.body_limit import allow
 
 
 async def receive(request: Request, into: IO[bytes], *, limit_bytes: int) -> int:
@@ -17,6 +18,7 @@ async def receive(request: Request, into: IO[bytes], *, limit_bytes: int) -> int
     stated = request.headers.get("content-length", "")
     if stated.isdecimal() and int(stated) > limit_bytes:
         raise _too_large(limit_bytes)
+    allow(request.scope, limit_bytes)
     n_bytes = 0
     async for chunk in request.stream():
         n_bytes += len(chunk)

@@ -25,16 +25,21 @@ _LOG: dict[str, Any] = {
 }  # fmt: skip
 
 
-def listen(host: str, port: int) -> socket.socket:
+def listen(host: str, port: int, *, has_keys: bool = False) -> socket.socket:
     """Return a listening socket.
+
+    Args:
+        host: Address or name; one that others reach only where `has_keys`.
+        port: 0 for any that is free.
+        has_keys: Whether a key was ever made: from then on nothing is answered without one.
 
     Raises:
         InputError: `keys-needed` where others than this machine could reach it, `port-in-use`.
     """
-    if not is_loopback(host):
+    if not has_keys and not is_loopback(host):
         msg = (
-            f"{host} can be reached from outside, and there are no keys yet that keep others out;"
-            " serve on 127.0.0.1, and reach it through ssh -L"
+            f"{host} can be reached from outside, and there are no keys yet that keep others out:"
+            " make one with darkflat key create, or serve on 127.0.0.1"
         )
         raise InputError(msg, code="keys-needed")
     family = socket.AF_INET6 if ":" in host else socket.AF_INET

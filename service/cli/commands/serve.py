@@ -22,12 +22,15 @@ def serve(
         from service.cli.listening import listen, serve_until_stopped  # noqa: PLC0415
         from service.cli.simulated_bench import chosen_bench  # noqa: PLC0415
         from service.settings import Settings  # noqa: PLC0415
+        from service.store.store import Store  # noqa: PLC0415
 
         loaded = Settings.load()
         given = {"host": host, "port": port, "bench": bench}
         settings = loaded.model_copy(update={k: v for k, v in given.items() if v is not None})
         chosen = chosen_bench(settings.bench)
-        with listen(settings.host, settings.port) as listening:
+        with Store.open(settings) as store:
+            has_keys = store.keys.any()
+        with listen(settings.host, settings.port, has_keys=has_keys) as listening:
             app = create_app(settings, bench_settings=chosen.settings)
             url = f"http://{settings.host}:{listening.getsockname()[1]}"
             answer.give(
