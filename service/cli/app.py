@@ -7,6 +7,7 @@ import typer
 from calib.errors import DarkflatError
 from service.cli.answering import FAILED, standard_output
 from service.cli.commands.apply import apply
+from service.cli.commands.audit import audit
 from service.cli.commands.calibrate import calibrate
 from service.cli.commands.demo import demo
 from service.cli.commands.diagnose import diagnose
@@ -14,6 +15,7 @@ from service.cli.commands.doctor import doctor
 from service.cli.commands.export import export
 from service.cli.commands.import_folder import import_folder
 from service.cli.commands.investigate import investigate
+from service.cli.commands.key import key
 from service.cli.commands.mtf import mtf
 from service.cli.commands.photon_transfer import photon_transfer
 from service.cli.commands.serve import serve
@@ -45,6 +47,8 @@ app.command("diagnose")(diagnose)
 app.command("investigate")(investigate)
 app.command("simulate")(simulate)
 app.add_typer(store, name="store")
+app.add_typer(key, name="key")
+app.add_typer(audit, name="audit")
 
 
 def main() -> None:

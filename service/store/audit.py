@@ -90,19 +90,32 @@ class Audit:
             query = select(AuditRow)
             return page(session, query, AuditRow.number, _entry, limit=limit, before=before)
 
-    def verify(self) -> tuple[int, str]:
+    def verify(self, *, expect: str | None = None) -> tuple[int, str]:
         """Return the number of entries and the last digest, once all are proven.
 
+        Args:
+            expect: The last digest as it once was; some entry must still have it.
+
         Raises:
-            StoreError: `audit-broken`; names the first entry that does not follow.
+            StoreError: `audit-broken`, naming the first entry that does not follow, or
+                `audit-cut-off`.
         """
         number, digest = 0, START
+        found = expect in {None, START}
         with closing(self._rows()) as rows:
             for row in rows:
                 number += 1
                 if row.number != number or row.previous != digest or row.digest != _digest(row):
                     raise _broken(row, number)
                 digest = row.digest
+                found = found or digest == expect
+        if not found:
+            msg = (
+                f"the audit log is whole up to entry {number}, but no entry has the digest"
+                f" {expect}: its end was cut off, or the digest is another log's; compare with a"
+                " copy"
+            )
+            raise StoreError(msg, code="audit-cut-off")
         return number, digest
 
     def _rows(self) -> Generator[AuditRow, None, None]:

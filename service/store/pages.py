@@ -35,5 +35,5 @@ def page(
         query = query.where(sequence < before)
     limit = max(1, min(limit, LARGEST))
     rows: list[Any] = list(session.scalars(query.order_by(sequence.desc()).limit(limit + 1)))
-    more = rows[limit - 1].sequence if len(rows) > limit else None
+    more = getattr(rows[limit - 1], sequence.key) if len(rows) > limit else None
     return Page(tuple(record(row) for row in rows[:limit]), more)

@@ -75,6 +75,27 @@ def test_an_end_cut_off_shows_in_the_last_digest_alone(store: Store) -> None:
     assert store.audit.verify()[1] != digest
 
 
+def test_a_digest_that_was_written_down_proves_the_log_up_to_it(store: Store) -> None:
+    filled(store)
+    earlier = store.audit.verify()[1]
+    store.audit.record(ADA, "bench.safe-off", "bench")
+    assert store.audit.verify(expect=earlier)[0] == 6
+    assert store.audit.verify(expect=START)[0] == 6
+    with writing_session(store._engine) as session:
+        session.execute(text("DELETE FROM audit WHERE number >= 5"))
+    with pytest.raises(StoreError) as cut:
+        store.audit.verify(expect=earlier)
+    assert cut.value.code == "audit-cut-off"
+
+
+def test_pages_of_the_log_follow_each_other(store: Store) -> None:
+    filled(store)
+    first = store.audit.list(limit=3)
+    second = store.audit.list(limit=3, before=first.next_before)
+    assert [e.number for e in (*first.items, *second.items)] == [5, 4, 3, 2, 1]
+    assert second.next_before is None
+
+
 def test_many_writers_make_one_chain(store: Store) -> None:
     with ThreadPoolExecutor(8) as pool:
         list(pool.map(lambda n: store.audit.record(ADA, "run.submit", f"{n}"), range(40)))
