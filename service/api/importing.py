@@ -1,6 +1,5 @@
 """A recording that was uploaded becomes one of ours: `recordings/<digest>/recording.h5`."""
 
-import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,20 +7,19 @@ from pathlib import Path
 
 from calib.errors import InputError
 from calib.recording.commit_log import commit_path
-from calib.recording.durable import sync
 from calib.recording.folder import import_folder
 from calib.recording.open import open_recording
 from service.api.hdf5_safety import check_self_contained
+from service.api.recording_files import FILE, FILES_LOCK, settle
 from service.api.unpacking import unpack
 from service.settings import Settings
+from service.store.actor import Actor
 from service.store.records import RecordingRecord
 from service.store.store import Store
 
-_FILE = "recording.h5"
-
 
 def import_archive(
-    archive: Path, *, name: str, by: str, settings: Settings, store: Store
+    archive: Path, *, name: str, by: Actor, settings: Settings, store: Store
 ) -> tuple[RecordingRecord, bool]:
     """Unpack, check and keep the recording in the zip file `archive`; say whether it is a new one.
 
@@ -39,14 +37,16 @@ def import_archive(
             limit_files=settings.max_upload_files,
         )
         with _paths_of_the_archive(unpacked, kept):
-            _take(unpacked, kept / _FILE)
-        digest = open_recording(kept / _FILE).digest()
+            _take(unpacked, kept / FILE)
+        digest = open_recording(kept / FILE).digest()
         home = settings.recordings_folder / digest
-        _settle(kept, home)
-    is_new = not store.recordings.knows(digest)
-    record = store.recordings.register(
-        open_recording(home / _FILE), name=name or digest[:12], by=by, digest=digest
-    )
+        with FILES_LOCK:
+            settle(kept, home)
+            is_new = not store.recordings.knows(digest)
+            record = store.recordings.register(
+                open_recording(home / FILE), name=name or digest[:12], by=by, digest=digest,
+                action="import",
+            )  # fmt: skip
     return record, is_new
 
 
@@ -79,15 +79,3 @@ def _take(unpacked: Path, out: Path) -> None:
         msg = "the archive does not hold exactly one recording: a folder with recording.toml,"
         msg += " or an .h5 with its .frames.jsonl"
         raise InputError(msg, code="not-a-recording")
-
-
-def _settle(kept: Path, home: Path) -> None:
-    """Bring the files to the disk, then the folder under its name, if it is not there yet."""
-    for file in kept.iterdir():
-        sync(file)
-    home.parent.mkdir(parents=True, exist_ok=True)
-    if home.exists():  # the name is the content's digest: it is the same recording
-        shutil.rmtree(kept)
-        return
-    kept.rename(home)
-    sync(home.parent)

@@ -29,6 +29,7 @@ _STATUS = {
     "illegal-transition": 409,
     "overlapping-certification": 409,
     "not-certified": 409,
+    "recording-in-use": 409,
     "output-exists": 409,
     "idempotency-mismatch": 409,
     "too-large": 413,

@@ -8,32 +8,12 @@ import numpy as np
 
 from calib.radiometric.correction.apply import Correction
 from service.api.raw_lines import UploadedLines
+from service.api.sink import Sink
 from service.store.plain_json import dumps
 
 Layer = Literal["radiance", "std", "flags"]
 
 _STRETCH_BYTES = 1 << 21
-
-
-class _Sink:
-    """Collects what the archive writes until it is fetched."""
-
-    def __init__(self) -> None:
-        self._parts: list[bytes] = []
-
-    def write(self, data: bytes) -> int:
-        self._parts.append(bytes(data))
-        return len(data)
-
-    def flush(self) -> None:
-        """Nothing is held back."""
-
-    def close(self) -> None:
-        """Nothing to release."""
-
-    def fetch(self) -> bytes:
-        parts, self._parts = self._parts, []
-        return b"".join(parts)
 
 
 def radiance_npz(
@@ -43,7 +23,7 @@ def radiance_npz(
 
     The lines are corrected once per layer: that costs less than keeping the others meanwhile.
     """
-    sink = _Sink()
+    sink = Sink()
     coefficients = correction.coefficients
     about: dict[str, Any] = {
         "coefficient_set": coefficients.id,
@@ -62,7 +42,7 @@ def radiance_npz(
 
 def _layer(
     archive: zipfile.ZipFile,
-    sink: _Sink,
+    sink: Sink,
     layer: Layer,
     correction: Correction,
     lines: UploadedLines,

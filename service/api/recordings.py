@@ -5,13 +5,16 @@ from pathlib import Path
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response, status
+from fastapi.responses import StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
-from service.api.access import Operator
+from service.api import recording_files
+from service.api.access import Admin, Operator
 from service.api.answers.recording import RecordingAnswer, RecordingPage
 from service.api.dependencies import SettingsDep, StoreDep
 from service.api.importing import import_archive
 from service.api.openapi import problems
+from service.api.recording_zip import files_of, zipped
 from service.api.uploads import check_media_type, receive
 
 router = APIRouter(prefix="/v1/recordings", tags=["recordings"])
@@ -37,6 +40,30 @@ def list_recordings(
 def get_recording(digest: str, store: StoreDep) -> RecordingAnswer:
     """Inspect a recording: its camera, its source, its blocks."""
     return RecordingAnswer.model_validate(store.recordings.get(digest))
+
+
+@router.get(
+    "/{digest}/file",
+    response_class=StreamingResponse,
+    responses={
+        **problems(404),
+        200: {
+            "description": "A zip, as an import takes it.",
+            "content": {_ZIP: {"schema": {"type": "string", "format": "binary"}}},
+        },
+    },
+)
+def export_recording(digest: str, store: StoreDep) -> StreamingResponse:
+    """Get a recording's files, packed while they are sent."""
+    record = store.recordings.get(digest)
+    headers = {"Content-Disposition": f'attachment; filename="{record.digest[:12]}.zip"'}
+    return StreamingResponse(zipped(files_of(record)), media_type=_ZIP, headers=headers)
+
+
+@router.delete("/{digest}", status_code=status.HTTP_204_NO_CONTENT, responses=problems(404, 409))
+def delete_recording(digest: str, store: StoreDep, settings: SettingsDep, admin: Admin) -> None:
+    """Delete a recording that no coefficient set, no run and no job refers to."""
+    recording_files.delete_recording(digest, by=admin, settings=settings, store=store)
 
 
 @router.post(
@@ -72,7 +99,7 @@ async def import_recording(
             import_archive,
             Path(archive.name),
             name=name,
-            by=operator.name,
+            by=operator,
             settings=settings,
             store=store,
         )

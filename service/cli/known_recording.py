@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from service.store.actor import Actor
 from service.store.errors import NotInStoreError
 
 if TYPE_CHECKING:
@@ -29,4 +30,6 @@ def make_known(
         known = None
     if known is not None and Path(known.path).exists():
         return known
-    return store.recordings.register(recording, name=recording.path.name, by=by, digest=digest)
+    return store.recordings.register(
+        recording, name=recording.path.name, by=Actor(by), digest=digest
+    )

@@ -10,6 +10,7 @@ from service.owner.messages import Ended, Measure, Report, Said, Seen
 from service.owner.owner import BenchOwner
 from service.runs.journal import Journal
 from service.runs.news import News
+from service.store.actor import Actor
 from service.store.errors import StoreError
 from service.store.plain_json import plain
 from service.store.run_records import RunRecord, RunState
@@ -140,7 +141,7 @@ class RunKeeper:
         kept = self._store.recordings.register(
             open_recording(path),
             name=str(run.plan.get("name", run.id)),
-            by=run.submitted_by,
+            by=Actor(run.submitted_by),
             digest=ended.digest,
         )
         result = {

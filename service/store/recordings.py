@@ -1,15 +1,19 @@
 """Recordings that the store knows, each by the digest of its content."""
 
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from sqlalchemy import Engine, select
+from sqlalchemy.orm import Session
 
+from service.store.actor import Actor
+from service.store.audit import append
 from service.store.engine import reading_session, writing_session
 from service.store.errors import NotInStoreError
 from service.store.pages import Page, page
 from service.store.plain_json import plain
 from service.store.records import RecordingRecord
+from service.store.references import check_unreferenced
 from service.store.row_records import recording_record
 from service.store.tables import RecordingRow
 
@@ -24,22 +28,50 @@ class Recordings:
         self._engine = engine
 
     def register(
-        self, recording: "Recording", *, name: str, by: str, digest: str | None = None
+        self,
+        recording: "Recording",
+        *,
+        name: str,
+        by: Actor,
+        digest: str | None = None,
+        action: Literal["register", "import"] = "register",
     ) -> RecordingRecord:
         """Know `recording` by its digest, computed where not given.
 
-        One that is known already only gets its new path, if it has one.
+        One that is known already only gets its new path, if it has one. The audit log says which
+        `action` it was.
         """
         digest = digest or recording.digest()
         path = str(recording.path.absolute())
         with writing_session(self._engine) as session:
             row = session.scalar(select(RecordingRow).where(RecordingRow.digest == digest))
             if row is None:
-                row = _new_row(recording, digest, name, by)
+                row = _new_row(recording, digest, name, path, by.name)
                 session.add(row)
-            row.path = path
+                append(session, by, f"recording.{action}", digest, after={"name": name})
+            elif row.path != path:
+                append(
+                    session, by, "recording.move", digest,
+                    before={"path": row.path}, after={"path": path},
+                )  # fmt: skip
+                row.path = path
             session.flush()
             return recording_record(row)
+
+    def remove(self, digest: str, *, by: Actor) -> RecordingRecord:
+        """Forget a recording that nothing refers to; return what was known of it.
+
+        Raises:
+            NotInStoreError: It is unknown.
+            StoreError: `recording-in-use`.
+        """
+        with writing_session(self._engine) as session:
+            row = _find(session, digest)
+            check_unreferenced(session, digest)
+            record = recording_record(row)
+            append(session, by, "recording.delete", digest, before={"name": row.name})
+            session.delete(row)
+            return record
 
     def knows(self, digest: str) -> bool:
         """Tell whether a recording with this digest is registered."""
@@ -50,11 +82,7 @@ class Recordings:
     def get(self, digest: str) -> RecordingRecord:
         """Return the record of the recording with this digest; NotInStoreError if unknown."""
         with reading_session(self._engine) as session:
-            row = session.scalar(select(RecordingRow).where(RecordingRow.digest == digest))
-            if row is not None:
-                return recording_record(row)
-        msg = f"the store has no recording {digest!r}; register it first"
-        raise NotInStoreError(msg)
+            return recording_record(_find(session, digest))
 
     def list(
         self,
@@ -76,7 +104,15 @@ class Recordings:
             )
 
 
-def _new_row(recording: "Recording", digest: str, name: str, by: str) -> RecordingRow:
+def _find(session: Session, digest: str) -> RecordingRow:
+    row = session.scalar(select(RecordingRow).where(RecordingRow.digest == digest))
+    if row is None:
+        msg = f"the store has no recording {digest!r}; register it first"
+        raise NotInStoreError(msg)
+    return row
+
+
+def _new_row(recording: "Recording", digest: str, name: str, path: str, by: str) -> RecordingRow:
     header = recording.header
     started_at = header.camera.started_at
     if started_at is not None and started_at.tzinfo is None:
@@ -84,6 +120,7 @@ def _new_row(recording: "Recording", digest: str, name: str, by: str) -> Recordi
     return RecordingRow(
         digest=digest,
         name=name,
+        path=path,
         camera_serial=header.camera.serial,
         band=header.camera.band,
         started_at=started_at,

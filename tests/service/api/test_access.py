@@ -31,6 +31,8 @@ NEEDED: dict[tuple[str, str], Scope | None] = {
     ("GET", "/v1/recordings"): Scope.READ,
     ("GET", "/v1/recordings/{digest}"): Scope.READ,
     ("POST", "/v1/recordings"): Scope.OPERATE,
+    ("GET", "/v1/recordings/{digest}/file"): Scope.READ,
+    ("DELETE", "/v1/recordings/{digest}"): Scope.ADMIN,
     ("POST", "/v1/calibrations"): Scope.OPERATE,
     ("GET", "/v1/jobs"): Scope.READ,
     ("GET", "/v1/jobs/{job_id}"): Scope.READ,
