@@ -90,6 +90,12 @@ class Audit:
             query = select(AuditRow)
             return page(session, query, AuditRow.number, _entry, limit=limit, before=before)
 
+    def last_actions(self) -> dict[str, str]:
+        """Return, by subject, what was done to it last."""
+        query = select(AuditRow.subject, AuditRow.action).order_by(AuditRow.number)
+        with reading_session(self._engine) as session:
+            return {row.subject: row.action for row in session.execute(query)}
+
     def verify(self, *, expect: str | None = None) -> tuple[int, str]:
         """Return the number of entries and the last digest, once all are proven.
 

@@ -27,8 +27,12 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 }
 
 
-def open_engine(url: str) -> Engine:
-    """Return an engine for `url`; StoreError `bad-store-url` where there is none."""
+def open_engine(url: str, *, read_only: bool = False) -> Engine:
+    """Return an engine for `url`, one that can change nothing where `read_only`.
+
+    Raises:
+        StoreError: `bad-store-url`; `no-store` where a file should be that may not be made.
+    """
     try:
         parsed = make_url(url)
         engine = create_engine(parsed, **_OPTIONS.get(parsed.get_backend_name(), {}))
@@ -40,18 +44,30 @@ def open_engine(url: str) -> Engine:
         raise StoreError(msg, code="bad-store-url") from error
     if parsed.get_backend_name() == "sqlite":
         if parsed.database:
-            _make_folder(Path(parsed.database).parent)
-        event.listen(engine, "connect", _prepare)
+            _make_or_find(Path(parsed.database), read_only=read_only)
+        event.listen(engine, "connect", _prepare_to_read if read_only else _prepare)
+    elif read_only:
+        engine = engine.execution_options(postgresql_readonly=True)
     event.listen(engine, "begin", _begin)
     return engine
 
 
-def _make_folder(folder: Path) -> None:
+def _make_or_find(path: Path, *, read_only: bool) -> None:
+    """Make the folder of SQLite's file; where nothing may be made, find the file itself."""
+    folder = path.parent
+    if read_only and not path.is_file():
+        raise StoreError(f"there is no store at {path}; set DARKFLAT_HOME", code="no-store")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         msg = f"{folder} cannot be made ({error.strerror}); set DARKFLAT_HOME to another folder"
         raise StoreError(msg, code="store-not-writable") from error
+
+
+def _prepare_to_read(connection: sqlite3.Connection, _record: Any) -> None:
+    connection.isolation_level = None
+    connection.execute(f"PRAGMA busy_timeout = {BUSY_TIMEOUT_MS}")
+    connection.execute("PRAGMA query_only = ON")
 
 
 def _prepare(connection: sqlite3.Connection, _record: Any) -> None:

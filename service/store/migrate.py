@@ -32,6 +32,18 @@ def migrate(engine: Engine) -> None:
             _upgrade(connection)
 
 
+def check_current(engine: Engine) -> None:
+    """Raise StoreError unless the schema is this version's: `no-store`, `store-too-old`."""
+    with store_errors(), engine.connect() as connection:
+        found = _revision(connection)
+    if found is None:
+        msg = "there is no store yet; it is made by the first command that keeps something"
+        raise StoreError(msg, code="no-store")
+    if found != HEAD:
+        msg = f"the store is of another version ({found}, not {HEAD}); darkflat store list brings"
+        raise StoreError(f"{msg} an older one up to date", code="store-too-old")
+
+
 def _revision(connection: Connection) -> str | None:
     if not inspect(connection).has_table("alembic_version"):
         return None

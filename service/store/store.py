@@ -9,10 +9,10 @@ from sqlalchemy import text
 from service.settings import Settings
 from service.store.audit import Audit
 from service.store.coefficient_sets import CoefficientSets
-from service.store.engine import open_engine, writing_session
+from service.store.engine import open_engine, reading_session, writing_session
 from service.store.jobs import Jobs
 from service.store.keys import Keys
-from service.store.migrate import migrate
+from service.store.migrate import check_current, migrate
 from service.store.recordings import Recordings
 from service.store.runs import Runs
 from service.store.set_files import SetFiles
@@ -30,15 +30,21 @@ class Store:
         audit: What was done.
     """
 
-    def __init__(self, url: str, sets_folder: Path) -> None:
+    def __init__(self, url: str, sets_folder: Path, *, read_only: bool = False) -> None:
         """Open the database at `url` and bring it to this version's schema.
 
+        Args:
+            url: Of the database.
+            sets_folder: Of the coefficient sets' files.
+            read_only: Change nothing, not even the schema.
+
         Raises:
-            StoreError: `bad-store-url`, `store-not-writable`, `store-busy`, `store-too-new`.
+            StoreError: `bad-store-url`, `store-not-writable`, `store-busy`, `store-too-new`;
+                `no-store` and `store-too-old` where nothing may be changed.
         """
-        self._engine = open_engine(url)
+        self._engine = open_engine(url, read_only=read_only)
         try:
-            migrate(self._engine)
+            check_current(self._engine) if read_only else migrate(self._engine)
         except BaseException:
             self._engine.dispose()
             raise
@@ -53,6 +59,19 @@ class Store:
     def open(cls, settings: Settings) -> Self:
         """Open the store that the settings name."""
         return cls(settings.url, settings.sets_folder)
+
+    @classmethod
+    def look(cls, settings: Settings) -> Self:
+        """Open the store that the settings name, as it is."""
+        return cls(settings.url, settings.sets_folder, read_only=True)
+
+    def damage(self) -> str | None:
+        """Return what is wrong with SQLite's file; other databases see to that themselves."""
+        if self._engine.dialect.name != "sqlite":
+            return None
+        with reading_session(self._engine) as session:
+            told = session.scalar(text("PRAGMA integrity_check(1)"))
+        return None if told == "ok" else str(told)
 
     def check_writable(self) -> None:
         """Raise StoreError unless a writing transaction can be begun and ended."""

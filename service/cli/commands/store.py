@@ -6,6 +6,7 @@ from service.cli.commands import (
     store_add,
     store_add_recording,
     store_certify,
+    store_check,
     store_list,
     store_lookup,
     store_revoke,
@@ -26,3 +27,4 @@ store.command("verify")(store_verify.verify)
 store.command("certify")(store_certify.certify)
 store.command("revoke")(store_revoke.revoke)
 store.command("lookup")(store_lookup.lookup)
+store.command("check")(store_check.check)
