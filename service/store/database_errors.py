@@ -28,6 +28,8 @@ def store_errors() -> Iterator[None]:
         if told is None:
             raise
         raise told from error
+    except (UnicodeEncodeError, OverflowError) as error:  # half a surrogate pair, 2^63
+        raise _not_storable(str(error)) from error
 
 
 def _told(error: DatabaseError) -> DarkflatError | None:
@@ -46,8 +48,12 @@ def _told(error: DatabaseError) -> DarkflatError | None:
         msg = f"the store's file is not a database ({text}); restore it from a copy"
         return StoreError(msg, code="store-damaged")
     if isinstance(error, DataError):
-        return InputError(f"the store cannot keep that ({text}); correct it", code="not-storable")
+        return _not_storable(text)
     return None
+
+
+def _not_storable(why: str) -> InputError:
+    return InputError(f"the store cannot keep that ({why}); correct it", code="not-storable")
 
 
 def _is_sqlite(error: DatabaseError) -> bool:

@@ -36,7 +36,7 @@ def open_engine(url: str, *, read_only: bool = False) -> Engine:
     try:
         parsed = make_url(url)
         engine = create_engine(parsed, **_OPTIONS.get(parsed.get_backend_name(), {}))
-    except (ArgumentError, NoSuchModuleError, ImportError) as error:
+    except (ArgumentError, NoSuchModuleError, ImportError, ValueError) as error:  # a port
         msg = (
             "the store's URL cannot be used; write sqlite:////path/to/file, or"
             " postgresql+psycopg://user@host/database"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from sqlalchemy import Engine, create_engine, text
+from sqlalchemy import Engine, NullPool, create_engine, text
 
 from service.store.store import Store
 from service.store.tables import Base
@@ -40,10 +40,11 @@ def postgresql() -> Iterator[Server]:
         admin = create_engine(url.format(name="postgres"), isolation_level="AUTOCOMMIT")
         Server(url, admin).do(f"CREATE DATABASE {_STORE}")
         admin.dispose()
-        engine = create_engine(url.format(name=_STORE), isolation_level="AUTOCOMMIT")
+        engine = create_engine(
+            url.format(name=_STORE), isolation_level="AUTOCOMMIT", poolclass=NullPool
+        )
         Store(url.format(name=_STORE), Path("sets")).close()
         yield Server(url, engine)
-        engine.dispose()
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

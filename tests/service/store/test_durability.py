@@ -17,9 +17,8 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import text
 
 from calib.errors import DarkflatError
-from service.settings import Settings
 from service.store.actor import Actor
-from service.store.engine import _prepare, open_engine, reading_session, writing, writing_session
+from service.store.engine import _prepare, open_engine, writing, writing_session
 from service.store.errors import OverlapError, StoreError
 from service.store.migrate import HEAD, MIGRATIONS, alembic_config, migrate
 from service.store.state import SetState
@@ -188,20 +187,6 @@ def test_a_store_of_a_newer_version_is_refused(open_store: OpenStore) -> None:
     assert refused.value.code == "store-too-new"
 
 
-def test_sqlite_is_set_up_for_several_writers(tmp_path: Path) -> None:
-    with (
-        Store(f"sqlite:///{tmp_path / 'store.sqlite3'}", tmp_path / "sets") as store,
-        reading_session(store._engine) as session,
-    ):
-        answers = {
-            name: session.scalar(text(f"PRAGMA {name}"))
-            for name in ("journal_mode", "foreign_keys", "synchronous", "busy_timeout")
-        }
-    assert answers == {
-        "journal_mode": "wal", "foreign_keys": 1, "synchronous": 2, "busy_timeout": 10_000,
-    }  # fmt: skip
-
-
 def test_a_certification_of_an_unknown_set_violates_the_schema(store: Store) -> None:
     statement = (
         "INSERT INTO transitions (set_id, after, at, by, reason)"
@@ -212,42 +197,3 @@ def test_a_certification_of_an_unknown_set_violates_the_schema(store: Store) -> 
         writing_session(store._engine) as session,
     ):
         session.execute(text(statement))
-
-
-def test_bad_places_are_named(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    (tmp_path / "junk.sqlite3").write_bytes(b"this is no database, whatever its name says" * 99)
-    for url, code in (
-        ("nonsense", "bad-store-url"),
-        ("mysterysql://x/y", "bad-store-url"),
-        (f"sqlite:///{tmp_path}/file/store.sqlite3", "store-not-writable"),
-        (f"sqlite:///{tmp_path}/junk.sqlite3", "store-damaged"),
-    ):
-        with pytest.raises(StoreError) as refused:
-            Store(url, tmp_path / "sets")
-        assert refused.value.code == code, url
-
-
-def test_a_writer_that_waits_too_long_says_so(
-    open_store: OpenStore, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("service.store.engine.BUSY_TIMEOUT_MS", 50)
-    with open_store() as store, open_store() as other:
-        with writing_session(other._engine) as session:
-            session.execute(text("SELECT 1"))
-            with pytest.raises(StoreError) as refused:
-                store.sets.add(a_set(), by=Actor("ada"))
-        assert refused.value.code == "store-busy"
-        assert store.sets.add(a_set(), by=Actor("ada")).state is SetState.DRAFT
-
-
-def test_the_settings_say_where_the_store_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("DARKFLAT_HOME", str(tmp_path))
-    assert Settings.load().url == f"sqlite:///{tmp_path}/store.sqlite3"
-    with Store.open(Settings.load()) as store:
-        store.check_writable()
-    monkeypatch.setenv("DARKFLAT_PORT", "many")
-    with pytest.raises(DarkflatError, match="DARKFLAT_PORT"):
-        Settings.load()
