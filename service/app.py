@@ -1,6 +1,5 @@
 """Where the parts are joined: settings, store, jobs, and the routes."""
 
-import shutil
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from importlib.metadata import PackageNotFoundError, version
@@ -13,16 +12,21 @@ from service.api import (
     bench,
     calibrations,
     coefficient_sets,
+    diagnoses,
     health,
     jobs_routes,
+    photon_transfers,
     recordings,
     runs,
+    transfer_functions,
 )
 from service.api.access import needs
 from service.api.body_limit import LimitedBodies
 from service.api.dependencies import Parts
 from service.api.hosts import OnlyKnownHosts, OnlyOwnPages
+from service.api.jobs.files import JobFiles
 from service.api.jobs.runner import JobRunner
+from service.api.jobs.scratch import clear_scratch
 from service.api.openapi import describe_api
 from service.api.problems import add_problem_handlers
 from service.api.security_headers import SecurityHeaders
@@ -32,7 +36,18 @@ from service.settings import Settings
 from service.store.keys import Scope
 from service.store.store import Store
 
-_ROUTES = (bench, runs, recordings, calibrations, jobs_routes, coefficient_sets, apply)
+_ROUTES = (
+    bench,
+    runs,
+    recordings,
+    calibrations,
+    photon_transfers,
+    diagnoses,
+    transfer_functions,
+    jobs_routes,
+    coefficient_sets,
+    apply,
+)
 
 
 def create_app(
@@ -76,9 +91,8 @@ def create_app(
 def _open(settings: Settings, bench_settings: BenchSettings | None) -> Parts:
     store = Store.open(settings)
     settings.work_folder.mkdir(parents=True, exist_ok=True)
-    for left_behind in settings.work_folder.glob("calibration-*"):  # by a service that was killed
-        shutil.rmtree(left_behind) if left_behind.is_dir() else left_behind.unlink()
-    runner = JobRunner(store, max_waiting=settings.max_queued_jobs)
+    clear_scratch(settings)
+    runner = JobRunner(store, JobFiles(settings.jobs_folder), max_waiting=settings.max_queued_jobs)
     runner.start()
     keeper = None
     if bench_settings is not None:

@@ -81,6 +81,11 @@ class Settings(BaseSettings):
         return self.home / "runs"
 
     @property
+    def jobs_folder(self) -> Path:
+        """Of what jobs leave for their clients, one folder per job."""
+        return self.home / "jobs"
+
+    @property
     def work_folder(self) -> Path:
         """Of what is under way; on the same file system as what it becomes."""
         return self.home / "work"

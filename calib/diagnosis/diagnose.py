@@ -21,6 +21,7 @@ from calib.diagnosis.evidence.fitted_evidence import evidence_of
 from calib.diagnosis.given.given_model import parameters_off
 from calib.diagnosis.given.known import beside, known_departures, of_known_baseline
 from calib.diagnosis.given.parameter_off import ParameterOff
+from calib.diagnosis.given.size import check_size
 from calib.diagnosis.naming.all_signatures import all_signatures
 from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.grids import Scales
@@ -86,9 +87,12 @@ def diagnose(
 
     Raises:
         NotDeterminedError: The recording cannot tell offset, response and noise apart at all.
-        InputError: Recordings that are not of one camera at one setting, or at once.
+        InputError: Recordings that are not of one camera at one setting, or at once; a model of
+            another size.
     """
     several = recordings if isinstance(recordings, Sequence) else (recordings,)
+    if given is not None:
+        check_size(given, several[0].header.camera)
     evidence = gathered_evidence(several, progress=lambda done: progress(0.4 * done))
     return examine(evidence, given, progress=lambda done: progress(0.4 + 0.6 * done))
 

@@ -4,7 +4,6 @@ Radiances computed from spectra of the lamps and of the camera belong to the com
 (`darkflat calibrate --lamp-spectra`): here they are given by level.
 """
 
-import uuid
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,6 +14,7 @@ from calib.recording.tone import Tone
 from service.api.access import Operator
 from service.api.answers.job import JobAnswer
 from service.api.dependencies import RunnerDep, SettingsDep, StoreDep
+from service.api.jobs.scratch import new_scratch
 from service.api.openapi import problems
 from service.store.actor import Actor
 from service.store.store import Store
@@ -73,7 +73,7 @@ def start_calibration(
 
         Model.loads(wanted.model)
     recording = store.recordings.get(wanted.recording)
-    scratch = settings.work_folder / f"calibration-{uuid.uuid4().hex}"
+    scratch = new_scratch(settings)
     out = scratch / "coefficient-set.h5"
     record = runner.submit(
         "calibrate",

@@ -1,14 +1,13 @@
 """A recording that was uploaded becomes one of ours: `recordings/<digest>/recording.h5`."""
 
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from calib.errors import InputError
 from calib.recording.commit_log import commit_path
 from calib.recording.folder import import_folder
 from calib.recording.open import open_recording
+from service.api.archive_names import names_of_the_archive
 from service.api.hdf5_safety import check_self_contained
 from service.api.recording_files import FILE, FILES_LOCK, settle
 from service.api.unpacking import unpack
@@ -36,7 +35,7 @@ def import_archive(
             limit_bytes=settings.max_upload_bytes,
             limit_files=settings.max_upload_files,
         )
-        with _paths_of_the_archive(unpacked, kept):
+        with names_of_the_archive(unpacked, kept):
             _take(unpacked, kept / FILE)
         digest = open_recording(kept / FILE).digest()
         home = settings.recordings_folder / digest
@@ -48,18 +47,6 @@ def import_archive(
                 action="import",
             )  # fmt: skip
     return record, is_new
-
-
-@contextmanager
-def _paths_of_the_archive(*folders: Path) -> Iterator[None]:
-    """Let errors name files as the client knows them, not where they lie on this machine."""
-    try:
-        yield
-    except InputError as error:
-        text = str(error)
-        for folder in folders:
-            text = text.replace(f"{folder}/", "").replace(str(folder), "the archive")
-        raise InputError(text, code=error.code) from error
 
 
 def _take(unpacked: Path, out: Path) -> None:

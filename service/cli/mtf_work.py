@@ -1,18 +1,17 @@
 """What `darkflat mtf` does for a grating, and for an edge."""
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from calib.errors import InputError
 from calib.mtf.answer import answer
-from calib.mtf.edge.edge_result import EdgeResult
-from calib.mtf.edge.reading import read_edge
-from calib.mtf.measure import measure
-from calib.mtf.reading import MtfToml, read_scan
-from calib.mtf.result import TransferResult
+from calib.mtf.reading import MtfToml
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from service.cli.about import about
 from service.cli.set_output import check_set, save_set
+from service.evaluation.transfer_function import Method
+from service.evaluation.transfer_function import of_edge as edge_result
+from service.evaluation.transfer_function import of_grating as grating_result
 
 
 def of_grating(
@@ -20,7 +19,7 @@ def of_grating(
     read: MtfToml,
     out: Path,
     *,
-    method: Literal["regularised", "filter"],
+    method: Method,
     support: int,
     report: Path | None,
     coefficient_set: Path | None,
@@ -29,8 +28,7 @@ def of_grating(
     """Reduce a scan of a grating; write TF.h5 and what else is asked for; return the answer."""
     carrying = None if coefficient_set is None else CoefficientSet.load(coefficient_set)
     with about(folder):
-        scan = read_scan(folder, read)
-        result = TransferResult(measure(scan, method, support), read.unknown_keys())
+        result = grating_result(folder, read, method, support)
     told = {**answer(result), "path": str(out), "report": None, "coefficient_set": None}
     made = None if carrying is None else carrying.with_transfer_function(result.reference())
     if made is not None and set_out is not None:
@@ -60,7 +58,7 @@ def of_edge(
         msg = f"{folder} holds an edge, which tells of one direction alone: leave out --report and"
         raise InputError(f"{msg} --set, or record a grating", code="edge-only")
     with about(folder):
-        result = EdgeResult(*read_edge(folder, read))
+        result = edge_result(folder, read)
         found = result.answer()
     told = {**found, "path": str(out), "report": None, "coefficient_set": None}
     result.save(out)

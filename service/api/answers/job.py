@@ -5,6 +5,7 @@ from typing import Any
 
 from pydantic import BaseModel, Field
 
+from service.api.jobs.files import JobFile
 from service.store.records import JobRecord, JobState
 
 
@@ -13,6 +14,25 @@ class JobError(BaseModel):
 
     code: str
     message: str
+
+
+class JobFileAnswer(BaseModel):
+    """A file that a job left; get it at `place`."""
+
+    name: str = Field(examples=["report.html"])
+    media_type: str = Field(examples=["text/html"])
+    bytes: int
+    place: str = Field(examples=["/v1/jobs/0f8fad5bd9cb469fa16570867728950e/files/report.html"])
+
+    @classmethod
+    def of(cls, job_id: str, file: JobFile) -> "JobFileAnswer":
+        """Return the answer for a file."""
+        return cls(
+            name=file.name,
+            media_type=file.media_type,
+            bytes=file.n_bytes,
+            place=f"/v1/jobs/{job_id}/files/{file.name}",
+        )
 
 
 class JobAnswer(BaseModel):
@@ -24,13 +44,16 @@ class JobAnswer(BaseModel):
     progress: float | None = Field(ge=0, le=1, description="The share done, while it runs.")
     request: dict[str, Any]
     result: dict[str, Any] | None
+    files: tuple[JobFileAnswer, ...]
     error: JobError | None
     submitted_at: datetime
     started_at: datetime | None
     finished_at: datetime | None
 
     @classmethod
-    def of(cls, record: JobRecord, progress: float | None = None) -> "JobAnswer":
+    def of(
+        cls, record: JobRecord, progress: float | None = None, files: tuple[JobFile, ...] = ()
+    ) -> "JobAnswer":
         """Return the answer for a record, with what the worker says of its progress."""
         error = None
         if record.error_code is not None:
@@ -42,6 +65,7 @@ class JobAnswer(BaseModel):
             progress=progress if record.state == "running" else None,
             request=record.request,
             result=record.result,
+            files=tuple(JobFileAnswer.of(record.id, each) for each in files),
             error=error,
             submitted_at=record.submitted_at,
             started_at=record.started_at,

@@ -1,5 +1,6 @@
 """The process that does one job, seen from inside and from outside."""
 
+import logging
 import multiprocessing
 import os
 import signal
@@ -10,6 +11,9 @@ from typing import Any
 
 from calib.errors import DarkflatError
 from service.api.jobs.work import KINDS
+
+_LOG = logging.getLogger(__name__)
+DEFECT = ("internal-error", "a defect in darkflat; its log says more")
 
 
 @dataclass(frozen=True)
@@ -24,12 +28,18 @@ def _work(kind: str, request: Mapping[str, Any], pipe: Connection) -> None:
     """Do the work in the new process; Ctrl-C at the server's terminal is the server's business."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.nice(5)  # the API answers first
+    # Read when NumPy is first imported, which is later: BLAS threads of one job would wait for each
+    # other longer than they work, and keep the API waiting too.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         pipe.send(Done(result=KINDS[kind](request, pipe.send)))
     except DarkflatError as error:
         pipe.send(Done(error=(error.code, str(error))))
     except OSError as error:
         pipe.send(Done(error=("system-error", f"{error.strerror or error}")))
+    except Exception:
+        _LOG.exception("a %s failed", kind)
+        pipe.send(Done(error=DEFECT))
 
 
 class JobProcess:

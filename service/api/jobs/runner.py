@@ -10,14 +10,16 @@ from pathlib import Path
 from typing import Any
 
 from calib.errors import DarkflatError
-from service.api.jobs.process import Done, JobProcess
+from service.api.jobs.files import JobFiles
+from service.api.jobs.process import DEFECT, Done, JobProcess
+from service.api.jobs.scratch import FILES
+from service.store.errors import NotInStoreError
 from service.store.jobs import FINAL
 from service.store.records import JobRecord
 from service.store.store import Store
 
 _LOG = logging.getLogger(__name__)
 _TRY_AGAIN_S = 5.0
-_DEFECT = ("internal-error", "a defect in darkflat; its log says more")
 
 Finish = Callable[[dict[str, Any]], dict[str, Any]]
 """What is done with a good result, in the server: it may use the store. Returns the answer."""
@@ -41,9 +43,13 @@ class JobRunner:
 
     What is on record decides: a job that is final there is not begun, and its result not kept.
     Whoever changes a record and the process together holds the lock.
+
+    Attributes:
+        files: What jobs left, also those that failed.
     """
 
-    def __init__(self, store: Store, *, max_waiting: int) -> None:
+    def __init__(self, store: Store, files: JobFiles, *, max_waiting: int) -> None:
+        self.files = files
         self._store = store
         self._max_waiting = max_waiting
         self._queue: queue.SimpleQueue[_Queued | None] = queue.SimpleQueue()
@@ -57,6 +63,7 @@ class JobRunner:
     def start(self) -> None:
         """Begin; what an earlier process left behind is marked as interrupted."""
         self._store.jobs.interrupt_all()
+        self.files.clear(self._is_done)
         self._thread.start()
 
     def check_alive(self) -> None:
@@ -81,12 +88,17 @@ class JobRunner:
             request: What the client asked for; kept on record.
             private: What the work needs to know besides (paths); never shown.
             finish: Called in the server with the work's result.
-            scratch: A folder for the work alone, which makes it; removed however the job ends.
+            scratch: A folder for the work alone, removed however the job ends; what is in its
+                folder `files` then is kept unless the job was cancelled.
 
         Raises:
             StoreError: `too-many-jobs`.
         """
-        record = self._store.jobs.submit(kind, dict(request), max_waiting=self._max_waiting)
+        try:
+            record = self._store.jobs.submit(kind, dict(request), max_waiting=self._max_waiting)
+        except DarkflatError:
+            shutil.rmtree(scratch, ignore_errors=True)
+            raise
         self._queue.put(_Queued(record.id, kind, {**request, **private}, finish, scratch))
         return record
 
@@ -128,7 +140,7 @@ class JobRunner:
                 self._unrecorded[queued.id] = (error.code, str(error))
             except Exception:
                 _LOG.exception("job %s failed", queued.id)
-                self._unrecorded[queued.id] = _DEFECT
+                self._unrecorded[queued.id] = DEFECT
             finally:
                 shutil.rmtree(queued.scratch, ignore_errors=True)
             self._record_failures()
@@ -162,7 +174,15 @@ class JobRunner:
             if self._closing or self._store.jobs.get(queued.id).state in FINAL:
                 return
             if done.result is None:
+                self.files.keep(queued.id, queued.scratch / FILES)
                 self._store.jobs.finish(queued.id, "failed", error=done.error)
                 return
             result = queued.finish(done.result)
+            self.files.keep(queued.id, queued.scratch / FILES)
             self._store.jobs.finish(queued.id, "succeeded", result=result)
+
+    def _is_done(self, job_id: str) -> bool:
+        try:
+            return self._store.jobs.get(job_id).state in {"succeeded", "failed"}
+        except NotInStoreError:
+            return False

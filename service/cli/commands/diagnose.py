@@ -1,7 +1,5 @@
 """`darkflat diagnose`: what a recording shows beyond the plain model, or beyond a given one."""
 
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -30,16 +28,12 @@ def diagnose(
 ) -> None:
     """Say what recordings show that the plain model lacks: where, what, and how much."""
     with answering(json) as answer:
-        from calib.diagnosis.report.page import (  # noqa: PLC0415
-            save_page,
-            save_page_of_undiagnosed,
-        )
-        from calib.errors import NotDeterminedError  # noqa: PLC0415
         from calib.forward.model import Model  # noqa: PLC0415
         from calib.recording.durable import refuse_existing  # noqa: PLC0415
         from calib.recording.open import open_recording  # noqa: PLC0415
         from service.cli.about import about  # noqa: PLC0415
         from service.cli.set_output import check_report  # noqa: PLC0415
+        from service.evaluation.diagnosis import take_diagnosis  # noqa: PLC0415
 
         if model_out is not None:
             refuse_existing(model_out)
@@ -48,40 +42,16 @@ def diagnose(
         opened = [open_recording(path) for path in recordings]
         title = f"Diagnosis of {' and '.join(path.name for path in recordings)}"
         with about(recordings[0]), progress("Diagnosing") as tell:
-            try:
-                diagnosis, examined, amended = _examined(opened, given, share_of(tell))
-            except NotDeterminedError as error:
-                if report is not None:
-                    save_page_of_undiagnosed(error, report, title)
-                raise
-            if model_out is not None:
-                amended().save(model_out)
-            if report is not None:
-                save_page(diagnosis, report, title, opened[0].header.camera, examined)
+            diagnosis = take_diagnosis(
+                opened,
+                given,
+                title=title,
+                report=report,
+                model_out=model_out,
+                progress=share_of(tell),
+            )
         told = diagnosis.answer()
         answer.give(told, lambda console: show_diagnosis(console, told))
-
-
-def _examined(opened: list[Any], given: Any, tell: Callable[[float], None]) -> tuple[Any, Any, Any]:
-    """Return the diagnosis, what it rests on, and what makes the amended model.
-
-    Sums have a way of their own, and nothing of the second.
-    """
-    from calib.diagnosis import diagnose  # noqa: PLC0415
-    from calib.diagnosis.answer import amended  # noqa: PLC0415
-    from calib.diagnosis.deciding.decide import decided  # noqa: PLC0415
-    from calib.diagnosis.recorded.joint import joint  # noqa: PLC0415
-    from calib.diagnosis.sums import amended as amended_by_sums  # noqa: PLC0415
-    from calib.diagnosis.sums.diagnose import diagnose_sums  # noqa: PLC0415
-
-    if len(opened) == 1 and getattr(opened[0], "statistics", None):
-        sums = diagnose_sums(opened[0])
-        return sums.diagnosis, None, partial(amended_by_sums.amended_model, sums, given)
-    whole = joint([each.header for each in opened])
-    found = decided(diagnose.diagnose(opened, given, progress=tell), whole)
-    source = whole.header.source
-    model = partial(amended.amended_model, found.model, found.evidence, source, given)
-    return found.diagnosis, found, model
 
 
 def show_diagnosis(console: Any, told: dict[str, Any]) -> None:

@@ -2,20 +2,13 @@
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
 
 from service.cli.answering import Json, answering
 from service.cli.paths import path_argument, path_option
-from service.cli.progress import progress, share_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from calib.recording.protocol import Recording
-    from calib.transfer.characterisation import Characterisation
-    from calib.transfer.two_exposures.two_exposures import TwoExposures
+from service.cli.progress import progress
 
 
 class Method(StrEnum):
@@ -54,6 +47,11 @@ def photon_transfer(
         from calib.recording.open import open_recording  # noqa: PLC0415
         from service.cli.about import about  # noqa: PLC0415
         from service.cli.set_output import check_report  # noqa: PLC0415
+        from service.evaluation.photon_transfer import (  # noqa: PLC0415
+            determine,
+            sheet_of,
+            write_sheet,
+        )
 
         for each in (out, data_sheet):
             if each is not None:
@@ -61,41 +59,14 @@ def photon_transfer(
         check_report(report)
         opened = open_recording(recording)
         with about(recording), progress("Photon transfer") as tell:
-            sensor = pair = None
-            if method is Method.PTC:
-                from calib.transfer.characterisation import characterise  # noqa: PLC0415
-
-                sensor = characterise(opened, progress=share_of(tell, "curve and data sheet"))
-            if out is not None or method is not Method.PTC:
-                pair = _pair(opened, method, share_of(tell, "moments of every pixel"))
-            if sensor is not None and (report or data_sheet):
-                from service.cli.data_sheet_files import write_sheet  # noqa: PLC0415
-
-                write_sheet(sensor, report, data_sheet)
-            if pair is not None and out is not None:
-                pair.save(out)
-        told = _told(sensor, pair, report=report, data_sheet=data_sheet, maps=out)
+            found = determine(opened, method.value, maps=out is not None, progress=tell)
+            if found.sensor is not None and (report or data_sheet):
+                write_sheet(sheet_of(found.sensor), *filter(None, (data_sheet, report)))
+            if found.pair is not None and out is not None:
+                found.pair.save(out)
+        written = {"report": report, "data_sheet": data_sheet, "maps": out}
+        told = {**found.answer(), "written": written}
         answer.give(told, lambda console: _show(console, told))
-
-
-def _pair(opened: "Recording", method: Method, tell: "Callable[[float], None]") -> "TwoExposures":
-    """Reduce two exposures of one scene."""
-    from calib.transfer.two_exposures.two_exposures import two_exposure_moments  # noqa: PLC0415
-
-    name: Literal["sanuc", "s3nuc"] = "s3nuc" if method is Method.S3NUC else "sanuc"
-    return two_exposure_moments(opened, name, progress=tell)
-
-
-def _told(
-    sensor: "Characterisation | None", pair: "TwoExposures | None", **files: Path | None
-) -> dict[str, Any]:
-    """Return the answer: the method's own, that of the maps beside it, and what was written."""
-    written = {name: str(path) if path else None for name, path in files.items()}
-    if sensor is None:
-        assert pair is not None  # noqa: S101 - one of the two was asked for
-        return {**pair.answer(), "written": written}
-    beside = None if pair is None else pair.answer()
-    return {**sensor.answer(), "two_exposures": beside, "written": written}
 
 
 def _show(console: Any, told: dict[str, Any]) -> None:

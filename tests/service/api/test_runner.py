@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from service.api.jobs import runner as jobs_runner
+from service.api.jobs.files import JobFiles
 from service.api.jobs.process import Done
 from service.api.jobs.runner import JobRunner
 from service.settings import Settings
@@ -46,10 +47,10 @@ def store(tmp_path: Path) -> Iterator[Store]:
 
 
 @pytest.fixture
-def runner(store: Store, monkeypatch: pytest.MonkeyPatch) -> Iterator[JobRunner]:
+def runner(store: Store, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[JobRunner]:
     monkeypatch.setattr(jobs_runner, "JobProcess", Work)
     monkeypatch.setattr(jobs_runner, "_TRY_AGAIN_S", 0.05)
-    started = JobRunner(store, max_waiting=9)
+    started = JobRunner(store, JobFiles(tmp_path / "jobs"), max_waiting=9)
     started.start()
     yield started
     monkeypatch.undo()

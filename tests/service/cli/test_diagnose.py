@@ -82,3 +82,9 @@ def test_an_ambiguous_recording_asks_for_what_makes_it_clear(run: Run, tmp_path:
     # Both are made within a second or so, and last longer: one camera makes no two at once.
     overlap = run("diagnose", first, first, "--json", "-")
     assert (overlap.status, overlap.error_code) == (1, "recordings-overlap")
+
+
+def test_a_model_of_another_size_is_one_sentence(run: Run, recording_file: Path) -> None:
+    ran = run("diagnose", recording_file, "--model", "demo", "--json", "-")
+    assert (ran.status, ran.error_code) == (1, "model-mismatch")
+    assert "columns is 1024 in it and 256 in the recording" in ran.stderr
