@@ -5,6 +5,7 @@ from contextlib import asynccontextmanager
 from importlib.metadata import PackageNotFoundError, version
 
 from fastapi import Depends, FastAPI
+from prometheus_client import CollectorRegistry
 from starlette.concurrency import run_in_threadpool
 
 from service.api import (
@@ -15,6 +16,7 @@ from service.api import (
     diagnoses,
     health,
     jobs_routes,
+    metrics,
     photon_transfers,
     recordings,
     runs,
@@ -31,10 +33,13 @@ from service.api.openapi import describe_api
 from service.api.problems import add_problem_handlers
 from service.api.security_headers import SecurityHeaders
 from service.bench.settings import BenchSettings
+from service.plan.model import Plan
 from service.runs.keeper import RunKeeper
 from service.settings import Settings
 from service.store.keys import Scope
 from service.store.store import Store
+from service.watching.requests import CountRequests
+from service.watching.state import watch
 
 _ROUTES = (
     bench,
@@ -47,6 +52,7 @@ _ROUTES = (
     jobs_routes,
     coefficient_sets,
     apply,
+    metrics,
 )
 
 
@@ -68,6 +74,7 @@ def create_app(
         try:
             yield
         finally:
+            app.state.parts = None
             await run_in_threadpool(_close, parts)
 
     app = FastAPI(
@@ -80,12 +87,20 @@ def create_app(
     app.add_middleware(OnlyOwnPages)
     app.add_middleware(OnlyKnownHosts, hosts=known.host_names)
     app.add_middleware(SecurityHeaders)
+    app.state.registry = CollectorRegistry()
+    app.add_middleware(CountRequests, registry=app.state.registry)
+    watch(app.state.registry, lambda: _watched(app))
     add_problem_handlers(app)
     app.include_router(health.router)
     for module in _ROUTES:
         app.include_router(module.router, dependencies=[Depends(needs(Scope.READ))])
-    describe_api(app)
+    describe_api(app, Plan)
     return app
+
+
+def _watched(app: FastAPI) -> tuple[Store, RunKeeper | None] | None:
+    opened: Parts | None = getattr(app.state, "parts", None)
+    return None if opened is None else (opened.store, opened.keeper)
 
 
 def _open(settings: Settings, bench_settings: BenchSettings | None) -> Parts:

@@ -8,6 +8,7 @@ from pydantic import Field, ValidationError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from calib.errors import InputError
+from service.watching.log import LogForm
 
 
 def _data_folder() -> Path:
@@ -34,6 +35,8 @@ class Settings(BaseSettings):
     hosts: str = ""
     """Names beside those of loopback that the service goes by, such as `bench-3.lab,10.0.0.3`."""
     port: int = Field(default=8642, ge=0, le=65535)
+    log: LogForm = "text"
+    """The form of the log's lines on standard error: for people, or one JSON object per line."""
     max_upload_bytes: int = Field(default=16 << 30, gt=0)
     """Of one recording, as uploaded and once unpacked."""
     max_upload_files: int = Field(default=10_000, gt=0)

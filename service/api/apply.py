@@ -51,7 +51,7 @@ class Taken(BaseModel):
     "/{set_id}/apply",
     response_class=StreamingResponse,
     responses={
-        **problems(404, 409, 413, 415),
+        **problems(404, "not-certified", 413, 415),
         200: {
             "description": "An .npz with radiance, std and flags, and notes.json.",
             "content": {_NPZ: {"schema": {"type": "string", "format": "binary"}}},

@@ -6,12 +6,12 @@ from service.api.access import Operator, Reader
 from service.api.answers.bench import BenchAnswer, DeviceAnswer, LampsOff
 from service.api.answers.job import JobError
 from service.api.dependencies import CommandsDep, KeeperDep, StoreDep
-from service.api.openapi import problems
+from service.api.openapi import BENCH, problems
 
 router = APIRouter(prefix="/v1", tags=["bench"])
 
 
-@router.get("/bench", responses=problems())
+@router.get("/bench", responses=problems("no-bench"))
 def get_bench(store: StoreDep, keeper: KeeperDep, _reader: Reader) -> BenchAnswer:
     """Say what the bench does and who has it; no device is asked for that."""
     owner, run = keeper.owner, store.runs.under_way()
@@ -26,13 +26,13 @@ def get_bench(store: StoreDep, keeper: KeeperDep, _reader: Reader) -> BenchAnswe
     )
 
 
-@router.post("/bench/look", responses=problems(423, 502))
+@router.post("/bench/look", responses=problems(423, 502, *BENCH))
 def look_at_bench(operator: Operator, commands: CommandsDep) -> tuple[DeviceAnswer, ...]:
     """Ask every device how it is, while nobody else has the bench."""
     return tuple(map(DeviceAnswer.of, commands.look(operator).devices))
 
 
-@router.post("/safe-off", responses=problems(502))
+@router.post("/safe-off", responses=problems(502, *BENCH))
 def safe_off(operator: Operator, commands: CommandsDep) -> LampsOff:
     """Abort what runs, switch every lamp off and read it back, whoever has the bench.
 

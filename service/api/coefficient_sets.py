@@ -116,7 +116,7 @@ def get_set_file(set_id: str, store: StoreDep, if_none_match: IfNoneMatch = None
     return FileResponse(path, media_type=_HDF5, filename=path.name, headers=tag)
 
 
-@router.post("/{set_id}/verify", responses=problems(404, 409))
+@router.post("/{set_id}/verify", responses=problems(404, "illegal-transition"))
 def verify_set(
     set_id: str, said: Verification, response: Response, store: StoreDep, operator: Operator
 ) -> SetAnswer:
@@ -124,7 +124,9 @@ def verify_set(
     return _answer(store.sets.verify(set_id, by=operator, reason=said.reason), response)
 
 
-@router.post("/{set_id}/certify", responses=problems(404, 409))
+@router.post(
+    "/{set_id}/certify", responses=problems(404, "illegal-transition", "overlapping-certification")
+)
 def certify_set(
     set_id: str, said: Certification, response: Response, store: StoreDep, certifier: Certifier
 ) -> SetAnswer:
@@ -140,7 +142,7 @@ def certify_set(
     return _answer(record, response)
 
 
-@router.post("/{set_id}/revoke", responses=problems(404, 409))
+@router.post("/{set_id}/revoke", responses=problems(404, "illegal-transition"))
 def revoke_set(
     set_id: str, said: Revocation, response: Response, store: StoreDep, certifier: Certifier
 ) -> SetAnswer:

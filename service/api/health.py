@@ -1,12 +1,15 @@
 """`/healthz` and `/readyz`: for whoever watches the service."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from fastapi import APIRouter
-from pydantic import BaseModel
+from fastapi import APIRouter, Depends
+from pydantic import BaseModel, Field
 
-from service.api.dependencies import RunnerDep, StoreDep
+from calib.errors import DarkflatError
+from drivers.errors import DeviceError
+from service.api.dependencies import Parts, RunnerDep, StoreDep, parts
 from service.api.openapi import problems
+from service.runs.keeper import RunKeeper
 
 router = APIRouter(tags=["health"])
 
@@ -22,18 +25,32 @@ class Ready(BaseModel):
 
     status: Literal["ready"] = "ready"
     store: Literal["writable"] = "writable"
+    bench: Literal["reachable", "none"] = Field(description="`none`: the service has no bench.")
 
 
-@router.get("/healthz", responses=problems(keyless=True))
+@router.get("/healthz", responses=problems("jobs-stopped", keyless=True))
 def healthz(runner: RunnerDep) -> Alive:
     """Say that the process is alive and does jobs; a problem where only a restart helps."""
     runner.check_alive()
     return Alive()
 
 
-@router.get("/readyz", responses=problems(keyless=True))
-def readyz(store: StoreDep, runner: RunnerDep) -> Ready:
-    """Say that jobs are done and the store can be written; a problem otherwise."""
+@router.get("/readyz", responses=problems("jobs-stopped", "bench-not-ready", keyless=True))
+def readyz(store: StoreDep, runner: RunnerDep, known: Annotated[Parts, Depends(parts)]) -> Ready:
+    """Say that jobs are done, the store can be written, and the bench used; else a problem."""
     runner.check_alive()
     store.check_writable()
-    return Ready()
+    if known.keeper is None:
+        return Ready(bench="none")
+    _check_bench(known.keeper)
+    return Ready(bench="reachable")
+
+
+def _check_bench(keeper: RunKeeper) -> None:
+    """Raise DeviceError `bench-not-ready`, whatever the trouble is."""
+    try:
+        keeper.owner.check_reachable()
+    except DarkflatError as error:
+        raise DeviceError(
+            str(error), device=keeper.owner.bench_id, code="bench-not-ready"
+        ) from error

@@ -15,6 +15,10 @@ from service.store.records import JobRecord
 
 router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
 
+_SCHEMAS: dict[str, dict[str, str]] = {
+    "application/json": {},
+    "application/x-hdf5": {"type": "string", "format": "binary"},
+}
 _SAFE = {
     "Cache-Control": "private, max-age=31536000, immutable",
     "Content-Security-Policy": "sandbox; default-src 'none'; img-src data:;"
@@ -51,7 +55,7 @@ def get_job(job_id: str, store: StoreDep, runner: RunnerDep) -> JobAnswer:
         200: {
             "description": "The file.",
             "content": {
-                kind: {"schema": {"type": "string", "format": "binary"}}
+                kind: {"schema": _SCHEMAS.get(kind, {"type": "string"})}
                 for kind in MEDIA_TYPES.values()
             },
         },

@@ -15,37 +15,12 @@ from starlette.exceptions import HTTPException
 
 from calib.errors import DarkflatError, InputError, NotDeterminedError
 from drivers.errors import DeviceError
+from service.api.problem_codes import STATUS
 from service.store.errors import OverlapError
 from service.store.plain_json import plain
 
 MEDIA_TYPE = "application/problem+json"
 _LOG = logging.getLogger(__name__)
-
-_STATUS = {
-    "key-needed": 401,
-    "key-refused": 401,
-    "scope-missing": 403,
-    "not-found": 404,
-    "illegal-transition": 409,
-    "overlapping-certification": 409,
-    "not-certified": 409,
-    "recording-in-use": 409,
-    "output-exists": 409,
-    "idempotency-mismatch": 409,
-    "too-large": 413,
-    "wrong-media-type": 415,
-    "bench-held": 423,
-    "too-many-jobs": 429,
-    "store-busy": 503,
-    "store-not-writable": 503,
-    "store-damaged": 503,
-    "jobs-stopped": 503,
-    "no-bench": 503,
-    "bench-not-ready": 503,
-    "bench-busy": 503,
-    "audit-broken": 503,
-    "disk-full": 507,
-}
 
 
 class Problem(BaseModel):
@@ -84,8 +59,8 @@ def problem(status: int, detail: str, code: str, **more: Any) -> JSONResponse:
 
 def status_of(error: DarkflatError) -> int:
     """Return the HTTP status for an error: by its code, else by its kind."""
-    if error.code in _STATUS:
-        return _STATUS[error.code]
+    if error.code in STATUS:
+        return STATUS[error.code]
     if isinstance(error, InputError | NotDeterminedError):
         return 422
     if isinstance(error, DeviceError):
@@ -127,6 +102,9 @@ def _on_invalid_request(_request: Request, error: Exception) -> JSONResponse:
 
 def _on_http_exception(_request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)  # noqa: S101
+    if error.status_code == HTTPStatus.BAD_REQUEST:  # FastAPI's, of a body that is no UTF-8
+        msg = "the body cannot be read as JSON; send JSON in UTF-8"
+        return problem(422, msg, "invalid-request")
     code = HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
     if error.status_code == HTTPStatus.REQUEST_ENTITY_TOO_LARGE:
         code = "too-large"  # as everywhere else

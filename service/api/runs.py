@@ -9,7 +9,7 @@ from service.api.access import Operator, Reader
 from service.api.answers.run import EventAnswer, PlanAnswer, RunAnswer, RunPage, StepAnswer
 from service.api.dependencies import CommandsDep, KeeperDep, StoreDep
 from service.api.event_stream import event_stream
-from service.api.openapi import problems
+from service.api.openapi import BENCH, json_body, problems
 from service.plan.estimate import estimate
 from service.plan.expand import expand
 from service.plan.model import Plan
@@ -30,14 +30,15 @@ _EXAMPLE = {
     "",
     status_code=status.HTTP_202_ACCEPTED,
     response_model=RunAnswer,
+    openapi_extra=json_body(Plan, _EXAMPLE),
     responses={
-        **problems(409),
+        **problems("idempotency-mismatch", *BENCH),
         200: {"model": PlanAnswer, "description": "`validate=true`: what the plan would do."},
     },
 )
 def start_run(
     *,
-    plan: Annotated[dict[str, Any], Body(examples=[_EXAMPLE])],
+    plan: Annotated[dict[str, Any], Body()],
     response: Response,
     operator: Operator,
     commands: CommandsDep,
@@ -76,7 +77,7 @@ def get_run(run_id: str, store: StoreDep, _reader: Reader) -> RunAnswer:
     "/{run_id}/events",
     response_class=StreamingResponse,
     responses={
-        **problems(404),
+        **problems(404, *BENCH),
         200: {"content": {"text/event-stream": {}}, "description": "Its events, as they come."},
     },
 )
@@ -107,19 +108,19 @@ def read_journal(
     return [EventAnswer.of(event) for event in store.runs.events(run_id, after=after, limit=limit)]
 
 
-@router.post("/{run_id}/pause", responses=problems(404, 409, 423))
+@router.post("/{run_id}/pause", responses=problems(404, "illegal-transition", 423, *BENCH))
 def pause_run(run_id: str, operator: Operator, commands: CommandsDep) -> RunAnswer:
     """Hold a run; the step that is interrupted is done again, the lamps are as the plan says."""
     return RunAnswer.of(commands.pause(run_id, operator))
 
 
-@router.post("/{run_id}/resume", responses=problems(404, 409, 423))
+@router.post("/{run_id}/resume", responses=problems(404, "illegal-transition", 423, *BENCH))
 def resume_run(run_id: str, operator: Operator, commands: CommandsDep) -> RunAnswer:
     """Let a paused run go on, or queue an interrupted, failed or cancelled one again."""
     return RunAnswer.of(commands.resume(run_id, operator))
 
 
-@router.post("/{run_id}/abort", responses=problems(404, 409, 423))
+@router.post("/{run_id}/abort", responses=problems(404, "illegal-transition", 423, *BENCH))
 def abort_run(run_id: str, operator: Operator, commands: CommandsDep) -> RunAnswer:
     """End a run; its state is final once the lamps are off and the bench is free."""
     return RunAnswer.of(commands.abort(run_id, operator))

@@ -1,28 +1,15 @@
 """One server in one process, until somebody stops it."""
 
 import ipaddress
+import os
 import socket
-from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
 
 from calib.errors import InputError
 from service.cli.stopping import StoppedError
-
-_LOG: dict[str, Any] = {
-    "version": 1,
-    "disable_existing_loggers": False,
-    "formatters": {"line": {"format": "%(asctime)s %(levelname)s %(name)s: %(message)s"}},
-    # Standard output belongs to the answer.
-    "handlers": {
-        "error": {
-            "class": "logging.StreamHandler", "formatter": "line", "stream": "ext://sys.stderr",
-        },
-    },
-    "loggers": {"uvicorn": {"handlers": ["error"], "level": "WARNING", "propagate": False}},
-    "root": {"handlers": ["error"], "level": "WARNING"},
-}  # fmt: skip
+from service.watching.log import ENVIRONMENT, LogForm, Subject, log_config
 
 
 def listen(host: str, port: int, *, has_keys: bool = False) -> socket.socket:
@@ -60,9 +47,15 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def serve_until_stopped(app: FastAPI, listening: socket.socket) -> None:
+def serve_until_stopped(app: FastAPI, listening: socket.socket, log: LogForm = "text") -> None:
     """Serve `app`; a signal ends it after the answers that are under way."""
-    config = uvicorn.Config(app, log_config=_LOG, access_log=False, timeout_graceful_shutdown=5)
+    os.environ[ENVIRONMENT] = log  # what it starts logs alike
+    config = uvicorn.Config(
+        app,
+        log_config=log_config(log, Subject()),
+        access_log=False,
+        timeout_graceful_shutdown=5,
+    )
     try:
         uvicorn.Server(config).run(sockets=[listening])
     except (StoppedError, KeyboardInterrupt):

@@ -5,8 +5,10 @@ Where the service dies, the pipe ends: the run is aborted and the bench closed, 
 nobody left to ask for it.
 """
 
+import logging
 import queue
 import signal
+import sys
 import threading
 from collections.abc import Callable
 from multiprocessing.connection import Connection
@@ -41,6 +43,9 @@ from service.plan.model import Plan
 from service.sequencer.control import RunControl
 from service.sequencer.events import LiveColumns, Progress, RunResult
 from service.sequencer.run import run_plan
+from service.watching.log import Subject, log_of_child
+
+_LOG = logging.getLogger(__name__)
 
 MOST_COLUMNS = 512
 """Of a live profile: more than a page has dots."""
@@ -51,13 +56,18 @@ _DARK_WITHIN_S = 2.0
 def serve_bench(settings: BenchSettings, pipe: Connection) -> None:
     """Open the bench and do what the pipe says until it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C at the server is the server's business
-    said = _Said(pipe)
+    said, subject = _Said(pipe), log_of_child()
     try:
         with open_bench(settings) as bench:
             said.tell(Opened(look_at(bench)))
-            _Owner(bench, pipe, said).serve()
+            _LOG.info("the bench %s is open and dark", settings.id)
+            _Owner(bench, pipe, said, subject).serve()
     except DarkflatError as error:
+        _LOG.error("the bench %s cannot be opened: %s", settings.id, error)
         said.tell(Refused(Trouble.of(error)))
+    except Exception:
+        _LOG.exception("the bench's process ends by a defect")
+        sys.exit(1)
 
 
 class _Said:
@@ -76,8 +86,9 @@ class _Said:
 
 
 class _Owner:
-    def __init__(self, bench: Bench, pipe: Connection, said: _Said) -> None:
+    def __init__(self, bench: Bench, pipe: Connection, said: _Said, subject: Subject) -> None:
         self._bench = bench
+        self._subject = subject
         self._pipe = pipe
         self._said = said
         self._work: queue.SimpleQueue[Measure | None] = queue.SimpleQueue()
@@ -89,7 +100,9 @@ class _Owner:
         """Run plans, one after the other, until the pipe ends."""
         threading.Thread(target=self._listen, name="darkflat-bench-pipe", daemon=True).start()
         while (wanted := self._work.get()) is not None:
+            self._subject.run = wanted.run_id
             self._measure(wanted)
+            self._subject.run = ""
 
     def _measure(self, wanted: Measure) -> None:
         def columns(seen: LiveColumns) -> None:
@@ -98,6 +111,7 @@ class _Owner:
         def progress(stands: Progress) -> None:
             self._said.tell(Said(wanted.run_id, stands))
 
+        _LOG.info("measuring into %s", wanted.out.name)
         try:
             result = run_plan(
                 self._bench,
@@ -111,8 +125,10 @@ class _Owner:
             ended = Ended(wanted.run_id, result=result, digest=_digest(result))
         except DarkflatError as error:
             ended = Ended(wanted.run_id, trouble=Trouble.of(error))
+            _LOG.error("the run ended: %s", error)
         except OSError as error:
             ended = Ended(wanted.run_id, trouble=_of_system(error, wanted.out))
+            _LOG.error("the run ended: %s", error)
         self._is_idle.set()
         self._said.tell(ended)
 

@@ -81,6 +81,12 @@ class Trouble:
         return DarkflatError(self.message, code=self.code)
 
 
+DIED = Trouble(
+    "bench-process-died",
+    "the bench's process died; its lamps are switched off when it is opened again",
+)
+
+
 @dataclass(frozen=True)
 class DeviceLook:
     """One device, as it says it is: `values` by name, a number's name carries its unit."""

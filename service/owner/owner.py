@@ -14,6 +14,7 @@ from drivers.errors import DeviceError
 from service.bench.settings import BenchSettings
 from service.owner.bench_process import serve_bench
 from service.owner.messages import (
+    DIED,
     Abort,
     Answer,
     BenchLook,
@@ -36,10 +37,6 @@ _LOG = logging.getLogger(__name__)
 OwnerState = Literal["opening", "idle", "busy", "closed"]
 _ANSWER_S = 20.0
 _CLOSE_S = 30.0
-_DIED = Trouble(
-    "bench-process-died",
-    "the bench's process died; its lamps are switched off when it is opened again",
-)
 
 
 class BenchOwner:
@@ -48,12 +45,14 @@ class BenchOwner:
     Attributes:
         trouble: Why the bench cannot be used; None where it can.
         look: How it was when last asked; None before it was open.
+        pid: Of the process that was started last.
     """
 
     def __init__(self, settings: BenchSettings, listener: Callable[[Report], None]) -> None:
         """`listener` is told every report but answers, in a thread of the owner's."""
         self.bench_id = settings.id
         self.trouble: Trouble | None = None
+        self.pid: int | None = None
         self.look: BenchLook | None = None
         self._settings = settings
         self._listener = listener
@@ -70,6 +69,11 @@ class BenchOwner:
         """What the process does."""
         return self._state
 
+    def check_reachable(self) -> None:
+        """Raise the trouble, or DeviceError `bench-not-ready`, where the bench is not open."""
+        if self._state in {"opening", "closed"}:
+            raise self._not_ready()
+
     def open(self) -> None:
         """Start the process; the bench is dark once it is `idle`. Nothing where it runs already."""
         with self._lock:
@@ -83,7 +87,7 @@ class BenchOwner:
             )
             process.start()
             theirs.close()
-            self._process = process
+            self._process, self.pid = process, process.pid
         threading.Thread(
             target=self._listen, args=(self._pipe,), name="darkflat-bench-reports", daemon=True
         ).start()
@@ -139,7 +143,7 @@ class BenchOwner:
             if question.number in self._answers:
                 return self._answers.pop(question.number)
         if came:
-            raise (self.trouble or _DIED).error()
+            raise (self.trouble or DIED).error()
         raise DeviceError(
             f"the bench did not answer within {_ANSWER_S:g} s; look at the lamps",
             device=self.bench_id,
@@ -153,7 +157,7 @@ class BenchOwner:
             try:
                 self._pipe.send(command)
             except OSError as error:
-                raise _DIED.error() from error
+                raise DIED.error() from error
 
     def _not_ready(self) -> DarkflatError:
         if self.trouble is not None:
@@ -175,11 +179,11 @@ class BenchOwner:
         with self._changed:
             running, self._running = self._running, ""
             if self.trouble is None and self._pipe is not None:
-                self.trouble = _DIED
+                self.trouble = DIED
             self._state = "closed"
             self._changed.notify_all()
         if running:
-            self._listener(Ended(running, trouble=_DIED))
+            self._listener(Ended(running, trouble=DIED))
 
     def _take(self, report: Report) -> None:
         with self._changed:

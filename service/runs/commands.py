@@ -1,5 +1,7 @@
 """What clients may ask of runs; each command is idempotent, and none is a toggle."""
 
+import logging
+
 from service.owner.messages import BenchLook
 from service.plan.expand import expand
 from service.plan.model import Plan
@@ -8,6 +10,8 @@ from service.runs.keeper import RunKeeper
 from service.store.actor import Actor
 from service.store.run_records import FINAL, RunRecord
 from service.store.store import Store
+
+_LOG = logging.getLogger(__name__)
 
 
 class RunCommands:
@@ -28,6 +32,7 @@ class RunCommands:
             by=by,
             idempotency_key=idempotency_key,
         )
+        _log("submitted", found[0].id, by)
         self._keeper.wake()
         return found
 
@@ -39,6 +44,7 @@ class RunCommands:
                 return run
             run = self._store.runs.move(run_id, "pausing", by=by)
             self._keeper.owner.pause()
+            _log("to be paused", run_id, by)
         self._keeper.news.tell()
         return run
 
@@ -53,6 +59,7 @@ class RunCommands:
             else:
                 run = self._store.runs.move(run_id, "running", by=by)
                 self._keeper.owner.resume()
+        _log("to go on", run_id, by)
         self._keeper.wake()
         return run
 
@@ -67,6 +74,7 @@ class RunCommands:
             else:
                 run = self._store.runs.move(run_id, "aborting", by=by)
                 self._keeper.owner.abort()
+        _log("to end", run_id, by)
         self._keeper.wake()
         return run
 
@@ -76,6 +84,7 @@ class RunCommands:
         Nothing is waited for before the command goes out: no lock, no queue, no record.
         """
         look = self._keeper.owner.safe_off()
+        _LOG.warning("every lamp is switched off, by %s", by.name)
         self._store.audit.record(by, "bench.safe-off", self._keeper.owner.bench_id)
         return look
 
@@ -91,3 +100,7 @@ class RunCommands:
         if run.submitted_by != by.name:
             raise BenchHeldError(run.submitted_by)
         return run
+
+
+def _log(what: str, run_id: str, by: Actor) -> None:
+    _LOG.info("the run is %s, by %s", what, by.name, extra={"run": run_id})

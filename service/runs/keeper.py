@@ -8,6 +8,7 @@ from calib.errors import DarkflatError
 from service.bench.settings import BenchSettings
 from service.owner.messages import Ended, Measure, Report, Said, Seen
 from service.owner.owner import BenchOwner
+from service.runs.frames import FrameCount
 from service.runs.journal import Journal
 from service.runs.news import News
 from service.store.actor import Actor
@@ -28,11 +29,13 @@ class RunKeeper:
     Attributes:
         owner: The bench's process.
         news: Wakes who follows.
+        frames: How many came since the start.
     """
 
     def __init__(self, store: Store, bench: BenchSettings, folder: Path) -> None:
         """`folder` is where recordings under way are written, one file per run."""
         self.news = News()
+        self.frames = FrameCount()
         self.owner = BenchOwner(bench, self._hear)
         self.lock = threading.RLock()
         self._store = store
@@ -87,18 +90,23 @@ class RunKeeper:
                 return
             self._store.runs.move(run.id, "running")
             self._journal.begin()
+            self.frames.begin()
+            _LOG.info("the run has the bench", extra={"run": run.id})
             try:
                 self.owner.measure(Measure(run.id, run.plan, self.path_of(run.id)))
             except DarkflatError as error:
                 self._store.runs.move(run.id, "failed", error=(error.code, str(error)))
+                _LOG.error("the run cannot be begun: %s", error, extra={"run": run.id})
         self.news.tell()
 
     def _hear(self, report: Report) -> None:
+        about = {"run": getattr(report, "run_id", "")}
         try:
             match report:
                 case Seen():
                     self.news.show(report)
                 case Said(run_id, progress):
+                    self.frames.take(progress)
                     self._journal.keep(run_id, progress)
                     self._follow(run_id, progress.state)
                 case Ended():
@@ -106,9 +114,9 @@ class RunKeeper:
                 case _:
                     pass
         except StoreError as error:
-            _LOG.error("what the bench said cannot be put on record: %s", error)
+            _LOG.error("what the bench said cannot be put on record: %s", error, extra=about)
         except Exception:
-            _LOG.exception("what the bench said cannot be put on record")
+            _LOG.exception("what the bench said cannot be put on record", extra=about)
         self._work.set()
 
     def _follow(self, run_id: str, state: str) -> None:
@@ -130,6 +138,8 @@ class RunKeeper:
                 self._keep(run, ended)
             else:
                 self._store.runs.move(run.id, "interrupted" if self._closing else "cancelled")
+            now = self._store.runs.get(run.id).state
+        _LOG.info("the run is %s", now, extra={"run": run.id})
         self.news.tell()
 
     def _keep(self, run: RunRecord, ended: Ended) -> None:

@@ -9,6 +9,7 @@ from sqlalchemy import text
 from service.settings import Settings
 from service.store.audit import Audit
 from service.store.coefficient_sets import CoefficientSets
+from service.store.counts import Counts
 from service.store.engine import open_engine, reading_session, writing_session
 from service.store.jobs import Jobs
 from service.store.keys import Keys
@@ -28,6 +29,7 @@ class Store:
         runs: What the bench was asked to measure.
         keys: Who may ask for what.
         audit: What was done.
+        counts: Of runs and jobs, by state.
     """
 
     def __init__(self, url: str, sets_folder: Path, *, read_only: bool = False) -> None:
@@ -54,6 +56,7 @@ class Store:
         self.runs = Runs(self._engine)
         self.keys = Keys(self._engine)
         self.audit = Audit(self._engine)
+        self.counts = Counts(self._engine)
 
     @classmethod
     def open(cls, settings: Settings) -> Self:

@@ -11,6 +11,7 @@ from typing import Any
 
 from calib.errors import DarkflatError
 from service.api.jobs.work import KINDS
+from service.watching.log import log_of_child
 
 _LOG = logging.getLogger(__name__)
 DEFECT = ("internal-error", "a defect in darkflat; its log says more")
@@ -31,6 +32,7 @@ def _work(kind: str, request: Mapping[str, Any], pipe: Connection) -> None:
     # Read when NumPy is first imported, which is later: BLAS threads of one job would wait for each
     # other longer than they work, and keep the API waiting too.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    log_of_child().job = str(request.get("job", ""))
     try:
         pipe.send(Done(result=KINDS[kind](request, pipe.send)))
     except DarkflatError as error:

@@ -99,7 +99,8 @@ class JobRunner:
         except DarkflatError:
             shutil.rmtree(scratch, ignore_errors=True)
             raise
-        self._queue.put(_Queued(record.id, kind, {**request, **private}, finish, scratch))
+        work = {**request, **private, "job": record.id}
+        self._queue.put(_Queued(record.id, kind, work, finish, scratch))
         return record
 
     def progress(self, job_id: str) -> float | None:
@@ -139,7 +140,7 @@ class JobRunner:
             except DarkflatError as error:
                 self._unrecorded[queued.id] = (error.code, str(error))
             except Exception:
-                _LOG.exception("job %s failed", queued.id)
+                _LOG.exception("job %s failed", queued.id, extra={"job": queued.id})
                 self._unrecorded[queued.id] = DEFECT
             finally:
                 shutil.rmtree(queued.scratch, ignore_errors=True)
@@ -151,7 +152,10 @@ class JobRunner:
             try:
                 self._store.jobs.finish(job_id, "failed", error=error)
             except Exception as refusal:
-                _LOG.error("that job %s failed cannot be put on record yet: %s", job_id, refusal)
+                _LOG.error(
+                    "that it failed cannot be put on record yet: %s", refusal,
+                    extra={"job": job_id},
+                )  # fmt: skip
             else:
                 del self._unrecorded[job_id]
 

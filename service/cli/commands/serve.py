@@ -1,5 +1,6 @@
 """`darkflat serve`: the service."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -9,11 +10,19 @@ from service.cli.answering import Json, answering
 from service.cli.paths import path_option
 
 
+class LogLines(StrEnum):
+    """For people, or for programs."""
+
+    TEXT = "text"
+    JSON = "json"
+
+
 def serve(
     *,
     host: Annotated[str | None, typer.Option(help="127.0.0.1 where not given")] = None,
     port: Annotated[int | None, typer.Option(min=0, max=65535, help="0: any that is free")] = None,
     bench: Annotated[Path | None, path_option(metavar="bench.toml")] = None,
+    log: Annotated[LogLines | None, typer.Option(help="The form of the log's lines")] = None,
     json: Json = None,
 ) -> None:
     """Serve the bench, its recordings and coefficient sets over HTTP; without one, a simulated."""
@@ -25,7 +34,7 @@ def serve(
         from service.store.store import Store  # noqa: PLC0415
 
         loaded = Settings.load()
-        given = {"host": host, "port": port, "bench": bench}
+        given = {"host": host, "port": port, "bench": bench, "log": log and log.value}
         settings = loaded.model_copy(update={k: v for k, v in given.items() if v is not None})
         chosen = chosen_bench(settings.bench)
         with Store.open(settings) as store:
@@ -42,4 +51,4 @@ def serve(
                 },
                 lambda console: console.print(f"{url}/docs   (Ctrl-C ends it)", markup=False),
             )
-            serve_until_stopped(app, listening)
+            serve_until_stopped(app, listening, settings.log)

@@ -17,6 +17,7 @@ from service.store.store import Store
 NEEDED: dict[tuple[str, str], Scope | None] = {
     ("GET", "/healthz"): None,
     ("GET", "/readyz"): None,
+    ("GET", "/metrics"): Scope.READ,
     ("GET", "/v1/bench"): Scope.READ,
     ("POST", "/v1/bench/look"): Scope.OPERATE,
     ("POST", "/v1/safe-off"): Scope.OPERATE,

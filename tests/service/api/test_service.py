@@ -19,7 +19,9 @@ from service.store.store import Store
 
 def test_health_and_readiness(client: TestClient, settings: Settings) -> None:
     assert client.get("/healthz").json() == {"status": "alive"}
-    assert client.get("/readyz").json() == {"status": "ready", "store": "writable"}
+    assert client.get("/readyz").json() == {
+        "status": "ready", "store": "writable", "bench": "none",
+    }  # fmt: skip
 
 
 def test_a_store_that_cannot_be_written_is_not_ready(

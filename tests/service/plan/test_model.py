@@ -39,6 +39,7 @@ TYPOS = {
 NONSENSE = {
     "no lines": ({"lines": 0}, "lines = 0"),
     "lines are NaN": ({"lines": float("nan")}, "lines = nan"),
+    "a period of ages": ({"camera": {"line_period_us": 9e307}}, "line_period_us is beyond"),
     "a part is no table": ({"camera": 7}, "camera = 7: should be a table"),
     "no exposures": (
         {"sweep": {"type": "exposure", "exposures_us": [], "level": 1}},

@@ -1,0 +1,60 @@
+"""The codes of problems: the HTTP status of each, and a sentence as it may be said."""
+
+from typing import Final
+
+STATUS: Final = {
+    "key-needed": 401,
+    "key-refused": 401,
+    "scope-missing": 403,
+    "not-found": 404,
+    "illegal-transition": 409,
+    "overlapping-certification": 409,
+    "not-certified": 409,
+    "recording-in-use": 409,
+    "output-exists": 409,
+    "idempotency-mismatch": 409,
+    "too-large": 413,
+    "wrong-media-type": 415,
+    "unknown-host": 421,
+    "invalid-request": 422,
+    "bench-held": 423,
+    "too-many-jobs": 429,
+    "internal-error": 500,
+    "device-error": 502,
+    "store-busy": 503,
+    "store-not-writable": 503,
+    "store-damaged": 503,
+    "jobs-stopped": 503,
+    "no-bench": 503,
+    "bench-not-ready": 503,
+    "bench-busy": 503,
+    "audit-broken": 503,
+    "disk-full": 507,
+}
+"""Other codes have the status of their kind: 422 of input, 502 of devices."""
+
+SAID: Final = {
+    "key-needed": "a key is needed: send `Authorization: Bearer KEY`",
+    "key-refused": "this key is not known, is over, or was revoked; ask for another one",
+    "scope-missing": "this needs the scope operate, and the key 'page' has read",
+    "not-found": "there is no job '0f8fad5b'; list them",
+    "illegal-transition": "run 0f8fad5b is succeeded and cannot become paused",
+    "overlapping-certification": "another set holds at that time; name it as superseded",
+    "not-certified": "coefficient set 0f8fad5bd9cb is draft, not certified; certify or force it",
+    "idempotency-mismatch": "this Idempotency-Key was used with another plan; use a new one",
+    "too-large": "the body is larger than the 1048576 bytes that this service accepts",
+    "wrong-media-type": "the body is text/plain; send application/zip",
+    "unknown-host": "this service answers to 127.0.0.1 and localhost only; ask it by that name",
+    "invalid-request": "query.limit: Input should be greater than or equal to 1",
+    "bench-held": "the bench is held by lab; wait until the run ends, or switch off with safe-off",
+    "too-many-jobs": "100 jobs wait already; come back when some are done",
+    "internal-error": "a defect in darkflat; its log says more",
+    "device-error": "the light did not answer within 2 s; look at its cable",
+    "store-busy": "another process has been writing to the store for too long; try again",
+    "store-not-writable": "the store cannot be used; look at DARKFLAT_HOME and its rights",
+    "jobs-stopped": "jobs are not done any more; restart the service, its log says why",
+    "no-bench": "this service has no bench; start it with --bench bench.toml",
+    "bench-not-ready": "the bench 'b1' is opening; try again soon",
+    "disk-full": "no space left for the store; free some, or set DARKFLAT_HOME elsewhere",
+}
+"""Examples for the OpenAPI document."""
