@@ -38,7 +38,13 @@ class ToneRequest(BaseModel):
 class CalibrationRequest(BaseModel):
     """Which recording, and how."""
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid",
+        allow_inf_nan=False,
+        json_schema_extra={
+            "examples": [{"recording": "9b2b3a5c" * 8, "radiances": {"2": 20.1, "4": 40.2}}]
+        },
+    )
 
     recording: str = Field(description="Its digest.")
     radiances: dict[float, Annotated[float, Field(gt=0)]] | None = Field(

@@ -28,11 +28,19 @@ class _Request(BaseModel):
 class Verification(_Request):
     """Somebody looked at a draft."""
 
+    model_config = ConfigDict(json_schema_extra={"examples": [{"reason": "residuals are noise"}]})
+
     reason: str = Field(default="", max_length=2000)
 
 
 class Certification(_Request):
     """A verified set holds for a time."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"valid_from": "2026-12-01T00:00:00Z", "reason": "yearly calibration"}]
+        }
+    )
 
     valid_from: AwareDatetime
     valid_until: AwareDatetime | None = Field(default=None, description="Excluded; null is open.")
@@ -44,6 +52,8 @@ class Certification(_Request):
 
 class Revocation(_Request):
     """A set was wrong."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"reason": "lamp 2 was aged"}]})
 
     reason: str = Field(min_length=1, max_length=2000)
 

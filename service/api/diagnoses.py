@@ -15,9 +15,11 @@ router = APIRouter(prefix="/v1/diagnoses", tags=["diagnosis"])
 class DiagnosisRequest(BaseModel):
     """Which recordings, and what the sensor should be."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"examples": [{"recording": "9b2b3a5c" * 8}]}
+    )
 
-    recording: str = Field(description="Its digest.", examples=["0" * 64])
+    recording: str = Field(description="Its digest.")
     second_recording: str | None = Field(
         default=None, description="Another one of the same bench, diagnosed together with it."
     )

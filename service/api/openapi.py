@@ -8,6 +8,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from pydantic import BaseModel
 
+from service.api.openapi_examples import add_examples
 from service.api.problem_codes import SAID, STATUS
 from service.api.problems import MEDIA_TYPE, Problem
 
@@ -106,6 +107,7 @@ def describe_api(app: FastAPI, *models: type[BaseModel]) -> None:
                         operation["responses"].setdefault("413", problems(413)[413])
             for unused in ("HTTPValidationError", "ValidationError"):
                 schemas.pop(unused, None)
+            add_examples(made)
             app.openapi_schema = made
         return app.openapi_schema
 

@@ -17,9 +17,12 @@ router = APIRouter(prefix="/v1/photon-transfers", tags=["photon transfer"])
 class PhotonTransferRequest(BaseModel):
     """Which recording, and by which method."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={"examples": [{"recording": "9b2b3a5c" * 8, "method": "ptc"}]},
+    )
 
-    recording: str = Field(description="Its digest.", examples=["0" * 64])
+    recording: str = Field(description="Its digest.")
     method: Literal["ptc", "sanuc", "s3nuc"] = Field(
         default="ptc", description="The whole curve with EMVA 1288, or two exposures of one scene."
     )

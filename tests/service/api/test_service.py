@@ -1,5 +1,6 @@
 """What holds for every route: problems, names, the document, health."""
 
+import json
 import socket
 import subprocess
 import sys
@@ -11,8 +12,10 @@ from urllib.request import urlopen
 
 import pytest
 from fastapi.testclient import TestClient
+from jsonschema_rs import Draft202012Validator
 
 from service.api.dependencies import Parts
+from service.api.problems import Problem
 from service.settings import Settings
 from service.store.store import Store
 
@@ -100,20 +103,59 @@ def test_the_document_is_complete(client: TestClient) -> None:
             assert operation.get("description"), (method, path)
             good = next(code for code in operation["responses"] if code.startswith("2"))
             assert operation["responses"][good].get("content"), (method, path)
+            assert bool(operation.get("security")) == (path not in {"/healthz", "/readyz"}), path
             for status, response in operation["responses"].items():
                 if int(status) >= 400:
                     assert set(response["content"]) == {"application/problem+json"}, (path, status)
+                    check_problem(response["content"]["application/problem+json"], status)
+    schemes = document["components"]["securitySchemes"]
+    assert [(each["type"], each["scheme"]) for each in schemes.values()] == [("http", "bearer")]
+
+
+def check_problem(content: dict[str, Any], status: str) -> None:
+    assert content["examples"]
+    for code, each in content["examples"].items():
+        told = Problem.model_validate(each["value"])
+        assert (told.code, str(told.status)) == (code, status)
+
+
+def test_every_example_of_the_document_is_allowed_by_its_schema(client: TestClient) -> None:
+    document: dict[str, Any] = client.get("/openapi.json").json()
+    checked = 0
+    for operations in document["paths"].values():
+        for operation in operations.values():
+            bodies = [operation.get("requestBody", {}), *operation["responses"].values()]
+            for content in (body.get("content", {}).get("application/json") for body in bodies):
+                if content is None or not content.get("schema"):
+                    continue
+                schema = {**content["schema"], "components": document["components"]}
+                examples = [content["example"]] if "example" in content else body_examples(schema)
+                assert examples, operation["operationId"]
+                for example in examples:
+                    Draft202012Validator(schema).validate(example)
+                    checked += 1
+    assert checked > 30
+
+
+def body_examples(schema: dict[str, Any]) -> list[Any]:
+    """Return the examples of the model that a request's schema refers to."""
+    model = schema["components"]["schemas"][schema["$ref"].rpartition("/")[2]]
+    found: list[Any] = model.get("examples", [])
+    return found
 
 
 def test_serve_answers_on_loopback_until_it_is_stopped(tmp_path: Path) -> None:
+    errors = tmp_path / "errors"
     command = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler);"
     command += "from service.cli import main; main()"
-    process = subprocess.Popen(
-        [sys.executable, "-c", command, "serve", "--port", "0", "--json", "-"],
-        stdout=subprocess.PIPE,
-        env={"DARKFLAT_HOME": str(tmp_path), "PATH": "/usr/bin"},
-        text=True,
-    )
+    with errors.open("w") as log:
+        process = subprocess.Popen(
+            [sys.executable, "-c", command, "serve", "--port", "0", "--log", "json", "--json", "-"],
+            stdout=subprocess.PIPE,
+            stderr=log,
+            env={"DARKFLAT_HOME": str(tmp_path), "PATH": "/usr/bin"},
+            text=True,
+        )
     try:
         assert process.stdout is not None
         told = "".join(process.stdout.readline() for _ in range(5))
@@ -130,6 +172,8 @@ def test_serve_answers_on_loopback_until_it_is_stopped(tmp_path: Path) -> None:
                 time.sleep(0.1)
         process.send_signal(2)
         assert process.wait(timeout=120) == 0
+        for line in errors.read_text().splitlines():
+            assert {"at", "level", "message"} <= set(json.loads(line)), line
     finally:
         process.kill()
         process.wait()
