@@ -37,18 +37,24 @@ def needs(scope: Scope) -> Callable[..., Coroutine[Any, Any, Actor]]:
         known: Annotated[Parts, Depends(parts)],
     ) -> Actor:
         address = request.client.host if request.client else ""
-        if given is None:
-            return await _without_key(known, address)
-        await asyncio.sleep(known.failures.wait_s(address))
-        key = await run_in_threadpool(known.store.keys.known, given.credentials)
-        if key is None:
-            known.failures.count(address)
-            msg = "this key is not known, is over, or was revoked; ask for another one"
-            raise AccessError(msg, code="key-refused")
-        known.failures.forget(address)
-        return _allowed(key, scope)
+        key = None if given is None else given.credentials
+        return await who_asks(known, address, key, scope)
 
     return check
+
+
+async def who_asks(known: Parts, address: str, key: str | None, scope: Scope) -> Actor:
+    """Return who asks from `address` with `key`; AccessError where they do not hold `scope`."""
+    if key is None:
+        return await _without_key(known, address)
+    await asyncio.sleep(known.failures.wait_s(address))
+    record = await run_in_threadpool(known.store.keys.known, key)
+    if record is None:
+        known.failures.count(address)
+        msg = "this key is not known, is over, or was revoked; ask for another one"
+        raise AccessError(msg, code="key-refused")
+    known.failures.forget(address)
+    return _allowed(record, scope)
 
 
 async def _without_key(known: Parts, address: str) -> Actor:

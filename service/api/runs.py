@@ -6,12 +6,10 @@ from fastapi import APIRouter, Body, Header, Query, Response, status
 from fastapi.responses import JSONResponse, StreamingResponse
 
 from service.api.access import Operator, Reader
-from service.api.answers.run import EventAnswer, PlanAnswer, RunAnswer, RunPage, StepAnswer
+from service.api.answers.run import EventAnswer, PlanAnswer, RunAnswer, RunPage
 from service.api.dependencies import CommandsDep, KeeperDep, StoreDep
 from service.api.event_stream import event_stream
 from service.api.openapi import BENCH, json_body, problems
-from service.plan.estimate import estimate
-from service.plan.expand import expand
 from service.plan.model import Plan
 from service.store.run_records import RunState
 
@@ -48,7 +46,7 @@ def start_run(
     """Queue a plan on the bench; follow it at the `Location`. One key and plan give one run."""
     checked = Plan.parse(plan)
     if validate:
-        return JSONResponse(_expanded(checked).model_dump(mode="json"))
+        return JSONResponse(PlanAnswer.of(checked).model_dump(mode="json"))
     run, _ = commands.submit(checked, operator, idempotency_key=idempotency_key)
     response.headers["Location"] = f"/v1/runs/{run.id}"
     return RunAnswer.of(run)
@@ -124,26 +122,3 @@ def resume_run(run_id: str, operator: Operator, commands: CommandsDep) -> RunAns
 def abort_run(run_id: str, operator: Operator, commands: CommandsDep) -> RunAnswer:
     """End a run; its state is final once the lamps are off and the bench is free."""
     return RunAnswer.of(commands.abort(run_id, operator))
-
-
-def _expanded(plan: Plan) -> PlanAnswer:
-    steps = expand(plan)
-    ahead = estimate(plan, steps, columns=plan.camera.columns or 1, rows=plan.camera.rows)
-    return PlanAnswer(
-        steps=tuple(
-            StepAnswer(
-                block=step.block.block,
-                kind=step.block.kind,
-                exposure_us=step.block.exposure_us,
-                level=step.block.level,
-                lines=step.lines,
-                burning=step.burning,
-            )
-            for step in steps
-        ),
-        exposing_s=ahead.exposing_s,
-        waiting_s=ahead.waiting_s,
-        reading_s=ahead.reading_s,
-        total_s=ahead.total_s,
-        bytes=ahead.n_bytes if plan.camera.columns else None,
-    )

@@ -14,7 +14,6 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from calib.arrays import Columns
 from calib.errors import DarkflatError
 from calib.recording.file_recording import FileRecording
 from service.bench.bench import Bench
@@ -106,7 +105,8 @@ class _Owner:
 
     def _measure(self, wanted: Measure) -> None:
         def columns(seen: LiveColumns) -> None:
-            self._said.tell(Seen(wanted.run_id, seen.block, _few(seen.mean_dn)))
+            every = -(-seen.mean_dn.size // MOST_COLUMNS)
+            self._said.tell(Seen(wanted.run_id, seen.block, seen.mean_dn[::every], every))
 
         def progress(stands: Progress) -> None:
             self._said.tell(Said(wanted.run_id, stands))
@@ -176,11 +176,6 @@ class _Owner:
 
 def _digest(result: RunResult) -> str:
     return FileRecording(result.path).digest() if result.state == "succeeded" else ""
-
-
-def _few(mean_dn: Columns) -> Columns:
-    few: Columns = mean_dn[:: -(-mean_dn.size // MOST_COLUMNS)]
-    return few
 
 
 def _of_system(error: OSError, out: Path) -> Trouble:

@@ -129,11 +129,12 @@ class Said:
 
 @dataclass(frozen=True)
 class Seen:
-    """What the frame just taken looks like: mean DN of at most some hundred columns."""
+    """What the frame just taken looks like: mean DN of each `every`-th column, some hundred."""
 
     run_id: str
     block: str
     mean_dn: Columns
+    every: int = 1
 
 
 @dataclass(frozen=True)

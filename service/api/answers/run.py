@@ -6,6 +6,9 @@ from typing import Any
 from pydantic import BaseModel, Field
 
 from service.api.answers.job import JobError
+from service.plan.estimate import estimate
+from service.plan.expand import expand
+from service.plan.model import Plan
 from service.store.run_records import RunEvent, RunRecord, RunState
 
 
@@ -90,3 +93,27 @@ class PlanAnswer(BaseModel):
     reading_s: float
     total_s: float
     bytes: int | None = Field(description="Of the recording; null where the plan leaves it open.")
+
+    @classmethod
+    def of(cls, plan: Plan) -> "PlanAnswer":
+        """Return what `plan` would do, and how long it would take."""
+        steps = expand(plan)
+        ahead = estimate(plan, steps, columns=plan.camera.columns or 1, rows=plan.camera.rows)
+        return cls(
+            steps=tuple(
+                StepAnswer(
+                    block=step.block.block,
+                    kind=step.block.kind,
+                    exposure_us=step.block.exposure_us,
+                    level=step.block.level,
+                    lines=step.lines,
+                    burning=step.burning,
+                )
+                for step in steps
+            ),
+            exposing_s=ahead.exposing_s,
+            waiting_s=ahead.waiting_s,
+            reading_s=ahead.reading_s,
+            total_s=ahead.total_s,
+            bytes=ahead.n_bytes if plan.camera.columns else None,
+        )
