@@ -57,13 +57,17 @@ _ROUTES = (
 
 
 def create_app(
-    settings: Settings | None = None, *, bench_settings: BenchSettings | None = None
+    settings: Settings | None = None,
+    *,
+    bench_settings: BenchSettings | None = None,
+    page: bool = False,
 ) -> FastAPI:
     """Return the service; nothing is opened before it is started.
 
     Args:
         settings: Those of the environment where None.
         bench_settings: The bench that it owns; None: it has none, and keeps and calculates only.
+        page: Whether browsers are served too; one app of a process can.
     """
     known = settings or Settings.load()
 
@@ -95,6 +99,10 @@ def create_app(
     for module in _ROUTES:
         app.include_router(module.router, dependencies=[Depends(needs(Scope.READ))])
     describe_api(app, Plan)
+    if page:
+        from service.page.mount import mount_page  # noqa: PLC0415  (slow to import, global state)
+
+        mount_page(app)
     return app
 
 

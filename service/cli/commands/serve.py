@@ -40,15 +40,16 @@ def serve(
         with Store.open(settings) as store:
             has_keys = store.keys.any()
         with listen(settings.host, settings.port, has_keys=has_keys) as listening:
-            app = create_app(settings, bench_settings=chosen.settings)
+            app = create_app(settings, bench_settings=chosen.settings, page=True)
             url = f"http://{settings.host}:{listening.getsockname()[1]}"
             answer.give(
                 {
                     "url": url,
+                    "page": f"{url}/page/",
                     "docs": f"{url}/docs",
                     "home": settings.home,
                     "bench": chosen.settings.id,
                 },
-                lambda console: console.print(f"{url}/docs   (Ctrl-C ends it)", markup=False),
+                lambda console: console.print(f"{url}   (Ctrl-C ends it)", markup=False),
             )
             serve_until_stopped(app, listening, settings.log)

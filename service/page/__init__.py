@@ -1,0 +1,1 @@
+"""The page: what a browser shows of the bench. It asks and acts through what the API does."""
