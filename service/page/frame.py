@@ -65,7 +65,7 @@ def keep_fresh(visitor: Visitor, refresh: Callable[[], Awaitable[None]], every_s
         try:
             await visitor.actor(Scope.READ)
         except AccessError:
-            ui.navigate.to(SIGN_IN)
+            ui.navigate.to(SIGN_IN.removeprefix(PLACE))
             return
         await refresh()
 
@@ -77,7 +77,7 @@ def _header(visitor: Visitor, who: Actor, here: str) -> None:
         ui.label("darkflat").classes("df-brand")
         with ui.element("nav").props('aria-label="Views"').classes("df-nav"):
             for path, name in VIEWS.items():
-                link = ui.link(name, f"{PLACE}{path}")
+                link = ui.link(name, path)
                 if path == here:
                     link.props('aria-current="page"')
         ui.space()

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 from nicegui import ui
 
-from service.page.guard import PLACE
 from service.page.run_stand import Tail, name_of, stand
 from service.page.tables import facts, fill, table, text
 from service.page.visitor import Visitor
@@ -114,7 +113,7 @@ def _draw_outcome(run: RunRecord) -> None:
             }
         )
     if run.recording_digest is not None:
-        ui.link("Its recording", f"{PLACE}/recordings?recording={run.recording_digest}")
+        ui.link("Its recording", f"/recordings?recording={run.recording_digest}")
 
 
 def _row(event: RunEvent) -> dict[str, object]:

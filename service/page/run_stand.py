@@ -3,7 +3,7 @@
 from collections import deque
 from dataclasses import dataclass
 
-from service.store.run_records import FINAL, RunEvent, RunRecord
+from service.store.run_records import RunEvent, RunRecord
 from service.store.runs import Runs
 
 _MOST_EVENTS = 200
@@ -41,11 +41,11 @@ def stand(run: RunRecord, progress: RunEvent | None = None) -> Stand:
     """Return where `run` stands; `progress` is the newest of what it said of that."""
     share = run.blocks_done / run.blocks_total if run.blocks_total else 0.0
     text = f"{run.state}, {run.blocks_done} of {run.blocks_total} blocks"
-    if progress is None or run.state in FINAL or run.state == "queued":
+    if progress is None or run.state != "running":  # what it did before is over
         return Stand(share, text)
-    left = progress.content.get("seconds_left")
-    words = (text, "" if left is None else f"{duration(left)} left", progress.content.get("doing"))
-    return Stand(share, ", ".join(str(word) for word in words if word))
+    left, doing = progress.content.get("seconds_left"), str(progress.content.get("doing") or "")
+    words = (text, "" if left is None else f"{duration(left)} left", doing)
+    return Stand(share, ", ".join(word for word in words if word))
 
 
 def name_of(run: RunRecord) -> str:

@@ -79,7 +79,7 @@ def _editor(visitor: Visitor, show_run: Show) -> None:
 
     with ui.row():
         ui.button("Validate", on_click=validate).props("outline no-caps")
-        ui.button("Start", on_click=start).props("unelevated no-caps")
+        ui.button("Start", on_click=start).props('unelevated no-caps color="secondary"')
     answer = ui.element("div").props('role="status"')
 
 

@@ -44,7 +44,7 @@ def draw_life(visitor: Visitor, record: SetRecord, show: Show) -> None:
     if SetState.CERTIFIED in possible:
         _draw_certify(visitor, record, reason, take)
     if SetState.REVOKED in possible:
-        ui.button("Revoke", on_click=revoke).props('outline no-caps color="negative"')
+        ui.button("Revoke", on_click=revoke).props('unelevated no-caps color="negative"')
 
 
 def _draw_certify(
@@ -75,7 +75,7 @@ def _draw_certify(
     async def certify() -> None:
         await take(Scope.CERTIFY, certified)
 
-    ui.button("Certify", on_click=certify).props("unelevated no-caps")
+    ui.button("Certify", on_click=certify).props('unelevated no-caps color="secondary"')
 
 
 def _day(written: str | None, what: str) -> datetime:

@@ -31,7 +31,7 @@ def table(
     if show is not None:
         shown.append({**_column("show", ""), "sortable": False})
     made = ui.table(rows=[], columns=shown, row_key="key", pagination=rows)
-    made.props(f'flat dense aria-label="{label}"').classes("df-table")
+    made.props(f'flat dense aria-label="{label}" no-data-label="None yet"').classes("df-table")
     if show is not None:
 
         async def pressed(event: events.GenericEventArguments) -> None:

@@ -8,7 +8,7 @@ from nicegui import ui
 from starlette.concurrency import run_in_threadpool
 
 from calib.errors import DarkflatError
-from service.api.access import who_asks
+from service.api.access import AccessError, who_asks
 from service.api.dependencies import Parts
 from service.page.guard import PLACE
 from service.page.live import Live
@@ -60,7 +60,12 @@ class Visitor:
     async def actor(self, scope: Scope) -> Actor:
         """Return who this is; AccessError where they do not hold `scope` now."""
         key = self._sessions.key(self._token)
-        return await who_asks(self.parts, self._address, key, scope)
+        try:
+            return await who_asks(self.parts, self._address, key, scope)
+        except AccessError as error:
+            if error.code == "key-refused":  # over meanwhile: not a try, and not to be tried again
+                self._sessions.end(self._token)
+            raise
 
     def commands(self) -> RunCommands:
         """Return what may be asked of the bench; StoreError `no-bench` where there is none."""

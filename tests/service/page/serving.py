@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from playwright.sync_api import Browser, Page, Playwright
+from playwright.sync_api import Browser, Page, Playwright, expect
 
 from service.bench import BenchSettings
 from tests.service.sequencer.benches import in_process
@@ -73,11 +73,36 @@ def browser(playwright: Playwright) -> Browser:
     return playwright.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
 
 
-class Watched:
-    """A page of the browser, and all that must not happen in it."""
+_HAS_DATA = """([name, points]) => {
+    const plot = document.querySelector(`.js-plotly-plot[aria-label="${name}"]`);
+    return (plot?.calcdata ?? []).some(trace => {
+        const row = trace[0]?.z ? Array.from(trace[0].z[0]) : trace.map(point => point.s ?? point.y);
+        return row.length >= points && row.every(Number.isFinite) && new Set(row).size > 1 - (points < 2);
+    });
+}"""
+"""Of what is really drawn, not of what was sent."""
 
-    def __init__(self, page: Page) -> None:
+
+def _kind(name: str) -> str:
+    """Rows have a button each; one of them stands for all."""
+    return name.split(" ")[0] if name.startswith("Show ") else name
+
+
+class Watched:
+    """A page of the browser, what was pressed in it, and all that must not happen.
+
+    Attributes:
+        requests: Where it went.
+        errors: What its console said that was an error or a warning.
+        pressed: Buttons, by name.
+        seen_buttons: Likewise, of all that there were.
+    """
+
+    def __init__(self, page: Page, url: str) -> None:
         self.page = page
+        self.url = url
+        self.pressed: set[str] = set()
+        self.seen_buttons: set[str] = set()
         self.requests: set[str] = set()
         self.errors: list[str] = []
         page.on("request", lambda request: self.requests.add(request.url))
@@ -88,3 +113,26 @@ class Watched:
     def _said(self, message: Any) -> None:
         if message.type in {"error", "warning"}:
             self.errors.append(f"{message.type}: {message.text} {message.location}")
+
+    def open(self, view: str) -> None:
+        """Open a view, and see that it is alive."""
+        self.page.goto(f"/page/{view}")
+        state = self.page.get_by_role("status").filter(has_text="bench")
+        expect(state.first).not_to_be_empty()
+        self._look()
+
+    def press(self, name: str) -> None:
+        """Press the first button of this name."""
+        self._look()
+        self.pressed.add(_kind(name))
+        self.page.get_by_role("button", name=name, exact=True).first.click()
+
+    def _look(self) -> None:
+        names = self.page.get_by_role("button").evaluate_all(
+            "all => all.map(e => e.ariaLabel || e.innerText)"
+        )
+        self.seen_buttons |= {_kind(name.strip()) for name in names}
+
+    def wait_for_data(self, figure: str, points: int) -> None:
+        """Wait until a figure of that name has that many numbers in a row of it, not all equal."""
+        self.page.wait_for_function(_HAS_DATA, arg=[figure, points])

@@ -1,0 +1,90 @@
+"""Draws the pictures of the page: `python -m tests.service.page.gallery docs/gallery`."""
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from playwright.sync_api import Page, sync_playwright
+
+from calib.forward.model import Model
+from service.cli.simulated_recording import simulate_recording
+from service.plan.model import Plan
+from tests.service.cli.a_recording import PLAN
+from tests.service.page.filled import fill_store
+from tests.service.page.serving import SIZE, browser, serving
+
+SWEEP = """
+name = "gallery sweep"
+lines = 512
+frame_lines = 16
+
+[sweep]
+type = "factorial"
+exposures_us = [100.0, 200.0, 300.0, 400.0, 600.0, 800.0]
+levels = [1, 2, 3]
+
+[camera]
+line_period_us = 1000.0
+columns = 768
+
+[settle]
+tolerance_percent = 2.0
+stable_for_s = 0.5
+"""
+
+
+def main() -> None:
+    """Draw every view in both colour schemes."""
+    out = Path(sys.argv[1])
+    with tempfile.TemporaryDirectory() as folder:
+        home = Path(folder) / "home"
+        recording = Path(folder) / "recording.h5"
+        scenes = Path(folder) / "scenes"
+        plan = Plan.loads(PLAN.replace("lines = 64", "lines = 256"))
+        simulate_recording(Model.preset("demo"), plan, recording, seed=17, scenes_folder=scenes)
+        digest, set_id = fill_store(home, recording)
+        with serving(home) as url, sync_playwright() as playwright:
+            started = browser(playwright)
+            for scheme in ("light", "dark"):
+                context = started.new_context(viewport=SIZE, base_url=url, color_scheme=scheme)
+                draw(context.new_page(), out, scheme, digest, set_id)
+            started.close()
+
+
+def draw(page: Page, out: Path, scheme: str, digest: str, set_id: str) -> None:
+    def taken(name: str) -> None:
+        page.wait_for_timeout(1500)
+        page.screenshot(path=out / f"page-{name}-{scheme}.png")
+
+    page.goto("/page/runs")
+    page.get_by_role("status").get_by_text("bench idle").wait_for(timeout=60_000)
+    page.get_by_label("Plan (TOML or JSON)").fill(SWEEP)
+    page.get_by_role("button", name="Start").click()
+    page.get_by_role("button", name="Validate").click()
+    page.get_by_text("recording 0").first.wait_for(timeout=60_000)
+    taken("runs")
+    page.goto("/page/")
+    page.get_by_text("recording 00").first.wait_for(timeout=60_000)
+    page.wait_for_timeout(6000)
+    taken("bench")
+    page.goto(f"/page/recordings?recording={digest}")
+    taken("recordings")
+    page.goto(f"/page/coefficient-sets?set={set_id}")
+    taken("coefficient-sets")
+    page.get_by_label("Compare with").click()
+    page.get_by_role("option").first.click()
+    taken("comparison")
+    page.goto("/page/diagnosis")
+    page.get_by_role("button", name="Show").first.click()
+    taken("diagnosis")
+    page.goto("/page/audit")
+    page.get_by_role("button", name="Verify").click()
+    taken("audit")
+    page.get_by_role("button", name="Safe-off").click()
+    page.get_by_text("Every lamp is off").wait_for()
+    time.sleep(1.0)
+
+
+if __name__ == "__main__":
+    main()
