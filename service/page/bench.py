@@ -13,6 +13,7 @@ from service.page.tables import facts
 from service.page.visitor import Visitor, say
 from service.store.keys import Scope
 
+_MAY_DIFFER = "A run has the bench: lamps may burn now, whatever stands here."
 _LIVE_S = 0.5
 _STATE_S = 1.0
 
@@ -42,6 +43,8 @@ async def _devices(visitor: Visitor) -> None:
             shown.clear()
             with shown:
                 ui.label(keeper.owner.bench_id).classes("df-subtitle")
+                if keeper.owner.state == "busy":
+                    ui.label(_MAY_DIFFER).classes("df-warn")
                 if keeper.owner.trouble is not None:
                     ui.label(keeper.owner.trouble.message).classes("df-trouble").props("role=alert")
                 look = keeper.owner.look
@@ -65,7 +68,7 @@ def _draw_devices(devices: Sequence[DeviceLook]) -> None:
         if device.trouble is not None:
             ui.label(device.trouble.message).classes("df-trouble").props("role=alert")
         lamps, others = _lamps(device), _others(device)
-        facts({"is": device.identity or "unnamed", **others})
+        facts({"device": device.identity or "unnamed", **others})
         if lamps:
             _draw_lamps(lamps)
 
@@ -108,9 +111,9 @@ def _others(device: DeviceLook) -> dict[str, object]:
 def _sweep(visitor: Visitor) -> None:
     refresh_stand = _stand(visitor)
     ui.label("Line profile").classes("df-subtitle")
-    line = ui.plotly(profile(())).classes("df-figure-low").props('aria-label="Line profile"')
+    line = ui.plotly(profile(())).classes("df-figure").props('aria-label="Line profile"')
     ui.label("Waterfall").classes("df-subtitle")
-    fall = ui.plotly(waterfall(())).classes("df-figure-low").props('aria-label="Waterfall"')
+    fall = ui.plotly(waterfall(())).classes("df-figure").props('aria-label="Waterfall"')
     live: Live | None = visitor.live
     drawn: list[object] = [None]
 

@@ -31,7 +31,9 @@ def table(
     if show is not None:
         shown.append({**_column("show", ""), "sortable": False})
     made = ui.table(rows=[], columns=shown, row_key="key", pagination=rows)
-    made.props(f'flat dense aria-label="{label}" no-data-label="None yet"').classes("df-table")
+    made.props(
+        f'flat dense aria-label="{label}" no-data-label="None yet" :rows-per-page-options="[{rows}]"'
+    ).classes("df-table")
     if show is not None:
 
         async def pressed(event: events.GenericEventArguments) -> None:

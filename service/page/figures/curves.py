@@ -39,7 +39,7 @@ CURVES: tuple[Curve, ...] = (
 def curve(shown: CoefficientSet, what: Curve) -> Figure:
     """Draw one quantity with its uncertainty (k = 2); masked columns are gaps."""
     lines = _lines(shown, what, shown.id[:8], FIRST)
-    return figure(lines, x="column", y=f"{what.name} / {what.unit(shown)}")
+    return figure(lines, x="column", y=_title(shown, what))
 
 
 def both(first: CoefficientSet, second: CoefficientSet, what: Curve) -> Figure:
@@ -48,7 +48,7 @@ def both(first: CoefficientSet, second: CoefficientSet, what: Curve) -> Figure:
         *_lines(first, what, first.id[:8], FIRST),
         *_lines(second, what, second.id[:8], SECOND),
     ]
-    return figure(lines, x="column", y=f"{what.name} / {what.unit(first)}", showlegend=True)
+    return figure(lines, x="column", y=_title(first, what), showlegend=True)
 
 
 def difference(first: CoefficientSet, second: CoefficientSet, what: Curve) -> Figure:
@@ -62,16 +62,20 @@ def difference(first: CoefficientSet, second: CoefficientSet, what: Curve) -> Fi
     if what.relative:
         value = 100.0 * (b / a - 1.0)
         std = 100.0 * np.abs(b / a) * np.hypot(u_a / a, u_b / b)
-        y = f"{what.name}: second / first − 1, %"
+        y = f"{what.name}<br>second / first − 1, %"
     else:
         value, std = b - a, np.hypot(u_a, u_b)
-        y = f"{what.name}: second − first / {what.unit(first)}"
+        y = f"{what.name}<br>second − first, {what.unit(first)}"
     return figure(banded(_columns(first), value, std, name=what.name), x="column", y=y)
 
 
 def _lines(shown: CoefficientSet, what: Curve, name: str, color: str) -> list[dict[str, Any]]:
     value = _masked(shown, what.value(shown))
     return banded(_columns(shown), value, what.std(shown), name=name, color=color)
+
+
+def _title(shown: CoefficientSet, what: Curve) -> str:
+    return f"{what.name}<br>{what.unit(shown)}"
 
 
 def _columns(shown: CoefficientSet) -> Columns:

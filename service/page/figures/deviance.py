@@ -19,4 +19,6 @@ def before_and_after(findings: Sequence[Mapping[str, Any]]) -> Figure:
         }
         for when, color in (("before", SECOND), ("after", FIRST))
     ]
-    return figure(bars, x="finding", y="held-out deviance", showlegend=True, barmode="group")
+    return figure(
+        bars, x="finding", y="held-out deviance", showlegend=True, barmode="group", bargap=0.6
+    )

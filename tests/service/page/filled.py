@@ -48,4 +48,6 @@ def fill_store(home: Path, recording: Path) -> tuple[str, str]:
         job = store.jobs.submit("diagnose", {"recording": kept.digest}, max_waiting=9)
         store.jobs.start(job.id)
         store.jobs.finish(job.id, "succeeded", result=DIAGNOSIS)
+        for number in range(40):  # more than one page of the log shows
+            store.audit.record(BY, "note", str(number))
     return kept.digest, sets[-1].id
