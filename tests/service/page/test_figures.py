@@ -12,7 +12,6 @@ from service.page.figures.live import profile, waterfall
 from service.page.figures.plot import banded, packed
 from service.page.live import MOST_LINES, Live
 from service.runs.news import News
-from tests import draws
 
 
 def unpacked(sent: dict[str, str]) -> NDArray[np.float32]:
@@ -22,7 +21,7 @@ def unpacked(sent: dict[str, str]) -> NDArray[np.float32]:
 
 @pytest.mark.parametrize("shape", [(5,), (3, 4)])
 def test_what_is_packed_comes_out_again(shape: tuple[int, ...]) -> None:
-    values = draws.default_rng().normal(size=shape)
+    values = np.random.default_rng().normal(size=shape)
     np.testing.assert_array_equal(unpacked(packed(values)), values.astype(np.float32))
 
 
