@@ -32,7 +32,8 @@ def table(
         shown.append({**_column("show", ""), "sortable": False})
     made = ui.table(rows=[], columns=shown, row_key="key", pagination=rows)
     made.props(
-        f'flat dense aria-label="{label}" no-data-label="None yet" :rows-per-page-options="[{rows}]"'
+        f'flat dense aria-label="{label}" no-data-label="None yet"'
+        f' :rows-per-page-options="[{rows}]"'
     ).classes("df-table")
     if show is not None:
 

@@ -76,16 +76,17 @@ def browser(playwright: Playwright) -> Browser:
 _HAS_DATA = """([name, points]) => {
     const plot = document.querySelector(`.js-plotly-plot[aria-label="${name}"]`);
     return (plot?.calcdata ?? []).some(trace => {
-        const row = trace[0]?.z ? Array.from(trace[0].z[0]) : trace.map(point => point.s ?? point.y);
-        return row.length >= points && row.every(Number.isFinite) && new Set(row).size > 1 - (points < 2);
+        const row = trace[0]?.z?.[0] ?? trace.map(point => point.s ?? point.y);
+        return row.length >= points && Array.from(row).every(Number.isFinite)
+            && (points < 2 || new Set(row).size > 1);
     });
 }"""
 """Of what is really drawn, not of what was sent."""
 
 
 def _kind(name: str) -> str:
-    """Rows have a button each; one of them stands for all."""
-    return name.split(" ")[0] if name.startswith("Show ") else name
+    """Rows have a button each, of which one stands for all; styles put some in capitals."""
+    return "Show" if name.startswith("Show ") else name.capitalize()
 
 
 class Watched:
@@ -128,8 +129,9 @@ class Watched:
         self.page.get_by_role("button", name=name, exact=True).first.click()
 
     def _look(self) -> None:
+        """Remember which buttons there are; those in figures' corners are Plotly's own."""
         names = self.page.get_by_role("button").evaluate_all(
-            "all => all.map(e => e.ariaLabel || e.innerText)"
+            "all => all.filter(e => !e.closest('.modebar')).map(e => e.ariaLabel || e.innerText)"
         )
         self.seen_buttons |= {_kind(name.strip()) for name in names}
 
