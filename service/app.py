@@ -10,6 +10,7 @@ from starlette.concurrency import run_in_threadpool
 
 from service.api import (
     apply,
+    audit,
     bench,
     calibrations,
     coefficient_sets,
@@ -52,6 +53,7 @@ _ROUTES = (
     jobs_routes,
     coefficient_sets,
     apply,
+    audit,
     metrics,
 )
 

@@ -50,6 +50,8 @@ NEEDED: dict[tuple[str, str], Scope | None] = {
     ("POST", "/v1/coefficient-sets/{set_id}/certify"): Scope.CERTIFY,
     ("POST", "/v1/coefficient-sets/{set_id}/revoke"): Scope.CERTIFY,
     ("POST", "/v1/coefficient-sets/{set_id}/apply"): Scope.READ,
+    ("GET", "/v1/audit"): Scope.READ,
+    ("GET", "/v1/audit/verify"): Scope.READ,
 }
 
 
