@@ -1,0 +1,66 @@
+"""One object for all of the service."""
+
+from types import TracebackType
+from typing import Self
+
+from service.client.audit import Audit
+from service.client.bench import Bench
+from service.client.coefficient_sets import CoefficientSets
+from service.client.jobs import Jobs
+from service.client.link import Link
+from service.client.recordings import Recordings
+from service.client.runs import Runs
+
+
+class Client:
+    """A service and a key. Thread-safe; a context manager. Errors are DarkflatErrors.
+
+    Attributes:
+        bench: What it does, and `safe_off`.
+        runs: Plans that it measures.
+        recordings: What came of them, or was uploaded.
+        jobs: Calibrations, and other long work.
+        coefficient_sets: Their lives, and radiance by them.
+        audit: What was done by whom.
+    """
+
+    def __init__(
+        self,
+        url: str = "http://127.0.0.1:8642",
+        *,
+        key: str | None = None,
+        patience_s: float = 10.0,
+    ) -> None:
+        """Nothing is asked yet.
+
+        Args:
+            url: Where `darkflat serve` answers.
+            key: Made by `darkflat key create`; None where the service has none yet.
+            patience_s: How long a service that is away is waited for, where asking twice is safe.
+        """
+        self._link = Link(url, key=key, patience_s=patience_s)
+        self.bench = Bench(self._link)
+        self.runs = Runs(self._link)
+        self.recordings = Recordings(self._link)
+        self.jobs = Jobs(self._link)
+        self.coefficient_sets = CoefficientSets(self._link)
+        self.audit = Audit(self._link)
+
+    def safe_off(self) -> bool:
+        """Switch every lamp off, whoever has the bench; say whether all read back as off."""
+        return self.bench.safe_off().dark
+
+    def close(self) -> None:
+        """Release the connections; safe to call twice."""
+        self._link.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
