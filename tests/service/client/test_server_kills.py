@@ -15,7 +15,6 @@ import pytest
 
 from calib.recording.commit_log import commit_path
 from calib.recording.open import open_recording
-from drivers.mock.world import World
 from service.bench.settings import BenchSettings
 from service.client import Client
 from service.plan.expand import expand
@@ -23,13 +22,13 @@ from service.plan.model import Plan
 from tests.service.api.packing import as_folder
 from tests.service.cli.a_recording import plan_file, recording_file
 from tests.service.client.clients_at_work import Acknowledged, ClientsAtWork
+from tests.service.client.darkness import is_dark, wait_until
 from tests.service.sequencer.benches import in_process, short_plan, whole_blocks
 from tests.service.sequencer.test_kill import assert_survived
 from tests.service.served import Served, served, until_idle
 
 __all__ = ["plan_file", "recording_file"]
 
-LIT_WITHIN_S = 60.0
 DARK_WITHIN_S = 5.0
 """Of the restart: the promise, which the long form measures."""
 PLAN: Plan = short_plan(
@@ -43,18 +42,6 @@ def service(tmp_path: Path) -> Iterator[Served]:
     content["camera"]["paced"] = True  # 256 lines of 1 ms: frames come all the time
     with served(tmp_path, BenchSettings.parse(content)) as started:
         yield started
-
-
-def is_dark(world: Path) -> bool:
-    """Whether no lamp burns, or is on its way to; a world that is gone is dark."""
-    try:
-        opened = World(world)
-    except FileNotFoundError:
-        return True
-    try:
-        return not any(lamp.target for lamp in opened.state().lamps)
-    finally:
-        opened.close()
 
 
 def children(pid: int) -> list[int]:
@@ -84,10 +71,7 @@ class Killing:
         """Let clients work, kill the service `delay_s` after a lamp burns, and look."""
         self._begin()
         with ClientsAtWork(self.service, self._archive, self._folder, self.told):
-            deadline_s = time.monotonic() + LIT_WITHIN_S
-            while is_dark(self._folder / "world"):
-                assert time.monotonic() < deadline_s, self.service.log()
-                time.sleep(0.01)
+            wait_until(lambda: not is_dark(self._folder / "world"))
             time.sleep(delay_s)
             others = children(self.service.pid) if bench_too else []
             self.service.kill()
@@ -110,9 +94,7 @@ class Killing:
     def _restart(self) -> None:
         began_s = time.monotonic()
         self.service.start()
-        while not is_dark(self._folder / "world"):
-            assert time.monotonic() < began_s + LIT_WITHIN_S, self.service.log()
-            time.sleep(0.01)
+        wait_until(lambda: is_dark(self._folder / "world"))
         self.dark_after_s.append(time.monotonic() - began_s)
 
     def _look(self) -> None:
