@@ -61,7 +61,7 @@ def run_plan(
             are off; a DeviceError with code `lamps-not-off` where that could not be read back.
     """
     steps = expand(plan)
-    time = clock or SystemClock()
+    time, asked = clock or SystemClock(), control or RunControl()
     teller = Teller(on_progress, len(steps))
     try:
         with (
@@ -75,11 +75,11 @@ def run_plan(
                 writer,
                 clock=time,
                 cancelled=lambda: bench.is_ending or cancelled(),
-                control=control or RunControl(),
+                control=asked,
                 on_progress=teller.tell,
                 on_columns=on_columns,
             )
-            result = attempt.result(_run(attempt, teller))
+            result = attempt.result(_run(attempt, teller, asked))
     except BaseException as error:
         teller.turn("failed" if isinstance(error, Exception) else "interrupted", str(error))
         raise
@@ -87,11 +87,17 @@ def run_plan(
     return result
 
 
-def _run(attempt: Attempt, teller: Teller) -> RunState:
+def _run(attempt: Attempt, teller: Teller, asked: RunControl) -> RunState:
     try:
         attempt.run()
     except RunCancelledError:
         teller.turn("aborting", "lamps off")
+        return "cancelled"
+    except DeviceError as error:
+        if not asked.is_aborting:
+            raise
+        # Lamps that a safe-off put out are seen to be out before the run asks whether to end.
+        teller.turn("aborting", f"lamps off; meanwhile: {error}")
         return "cancelled"
     return "succeeded"
 

@@ -4,6 +4,7 @@ import threading
 
 import pytest
 
+from drivers.errors import DeviceError
 from service.sequencer.control import RunControl
 from service.sequencer.run import run_plan
 from tests.service.sequencer.benches import assert_dark, short_plan, whole_blocks
@@ -134,3 +135,34 @@ def test_a_pause_from_another_thread_stands_still_until_somebody_resumes(bench, 
     other.join()
     assert at_pause[0] == at_pause[1]
     assert whole_blocks(out) == ALL
+
+
+@pytest.mark.parametrize("at_frame", [5, 6, 7, 8])
+def test_lamps_that_safe_off_put_out_end_the_run_as_cancelled_not_as_failed(bench, out, at_frame):
+    """They are seen to be out before the run has asked whether it is to end."""
+    control = RunControl()
+    frames = []
+
+    def switch_off(columns):
+        frames.append(columns)
+        if len(frames) == at_frame:
+            control.abort()
+            bench.light.off()
+
+    result = run_plan(bench, short_plan(), out, control=control, on_columns=switch_off)
+    assert result.state == "cancelled"
+    assert_dark(bench.world)
+    assert list(whole_blocks(out)) == ["000"]
+
+
+def test_a_lamp_that_goes_out_by_itself_is_a_fault(bench, out):
+    frames = []
+
+    def go_out(columns):
+        frames.append(columns)
+        if len(frames) == 8:
+            bench.light.off()
+
+    with pytest.raises(DeviceError) as out_of_itself:
+        run_plan(bench, short_plan(), out, on_columns=go_out)
+    assert out_of_itself.value.code == "lamp-out"
