@@ -19,6 +19,6 @@ def new_scratch(settings: Settings) -> Path:
 
 
 def clear_scratch(settings: Settings) -> None:
-    """Remove what a service left behind that was killed."""
-    for left_behind in settings.work_folder.glob(f"{_PREFIX}*"):
-        shutil.rmtree(left_behind)
+    """Remove what a service left behind that was killed: of jobs, uploads and deletions."""
+    for left_behind in settings.work_folder.iterdir():
+        shutil.rmtree(left_behind) if left_behind.is_dir() else left_behind.unlink()

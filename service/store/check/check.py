@@ -2,17 +2,17 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 from service.settings import Settings
 from service.store.audit import START
 from service.store.check.every import every
 from service.store.check.finding import Finding, Kind
+from service.store.check.jobs import left_over_jobs, under_way
 from service.store.check.recordings import check_recording, left_over_recordings
 from service.store.check.runs import check_run, left_over_runs
 from service.store.check.sets import check_set, left_over_sets
 from service.store.errors import StoreError
-from service.store.records import RecordingRecord, SetRecord
+from service.store.records import JobRecord, RecordingRecord, SetRecord
 from service.store.run_records import RunRecord
 from service.store.store import Store
 
@@ -41,6 +41,7 @@ class _Known:
     sets: tuple[SetRecord, ...]
     recordings: tuple[RecordingRecord, ...]
     runs: tuple[RunRecord, ...]
+    jobs: tuple[JobRecord, ...]
 
 
 def check(settings: Settings, progress: Progress) -> Checked:
@@ -56,7 +57,12 @@ def check(settings: Settings, progress: Progress) -> Checked:
             found = Finding(Kind.ALTERED, "database", None, text)
             return Checked(0, 0, 0, 0, START, (found,))
         runs = tuple(every(store.runs.list))  # first: what they recorded is then on record
-        known = _Known(tuple(every(store.sets.list)), tuple(every(store.recordings.list)), runs)
+        known = _Known(
+            tuple(every(store.sets.list)),
+            tuple(every(store.recordings.list)),
+            runs,
+            tuple(every(store.jobs.list)),
+        )
         findings = [*_left_over(settings, known), *_wrong(store, settings, known, progress)]
         try:
             entries, digest = store.audit.verify()
@@ -91,10 +97,5 @@ def _left_over(settings: Settings, known: _Known) -> Iterator[Finding]:
     digests = {each.digest for each in known.recordings}
     yield from left_over_recordings(settings.recordings_folder, digests)
     yield from left_over_runs(settings.runs_folder, {each.id for each in known.runs})
-    yield from _under_way(settings.work_folder)
-
-
-def _under_way(folder: Path) -> Iterator[Finding]:
-    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
-        text = f"{path} was never finished: its service was killed (delete it), or works on it now"
-        yield Finding(Kind.HALF_WRITTEN, path.name, path, text)
+    yield from left_over_jobs(settings.jobs_folder, {each.id for each in known.jobs})
+    yield from under_way(settings.work_folder)

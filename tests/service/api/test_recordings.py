@@ -12,6 +12,7 @@ from fastapi.testclient import TestClient
 
 from calib.recording.commit_log import commit_path
 from calib.recording.open import open_recording
+from service.app import create_app
 from service.settings import Settings
 from tests.service.api.packing import as_files, as_folder, packed
 
@@ -38,6 +39,14 @@ def test_a_recording_comes_in_as_file_or_folder_and_is_the_same(
     kept = settings.recordings_folder / digest / "recording.h5"
     assert open_recording(kept).digest() == digest
     assert list(settings.work_folder.iterdir()) == []
+
+
+def test_what_a_killed_service_had_under_way_goes_at_the_next_start(settings: Settings) -> None:
+    (settings.work_folder / "import-1" / "unpacked").mkdir(parents=True)
+    (settings.work_folder / "import-1" / "unpacked" / "rec.h5").write_bytes(b"half")
+    (settings.work_folder / "upload.zip").write_bytes(b"half")
+    with TestClient(create_app(settings)):
+        assert list(settings.work_folder.iterdir()) == []
 
 
 def test_what_is_wrong_is_told_without_where_it_lies_on_the_server(

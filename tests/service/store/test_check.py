@@ -167,6 +167,7 @@ def test_what_is_left_over_is_told_and_loses_nothing(filled: Filled) -> None:
     (sets / f".{'0' * 64}.h5.x1y2").write_bytes(b"half")
     work.mkdir()
     (work / "import-1").mkdir()
+    (filled.settings.jobs_folder / "4567").mkdir(parents=True)
     stray = copied(filled.run_file(), filled.settings.runs_folder / "0123.h5")
     (filled.settings.recordings_folder / ("0" * 64)).mkdir()
     (filled.settings.runs_folder / ".partial-x.h5").write_bytes(b"half")
@@ -176,7 +177,7 @@ def test_what_is_left_over_is_told_and_loses_nothing(filled: Filled) -> None:
         (Kind.ORPHANED, f"{a_set(99.0).id}.h5"), (Kind.HALF_WRITTEN, f".{'0' * 64}.h5.x1y2"),
         (Kind.HALF_WRITTEN, "import-1"), (Kind.ORPHANED, "0123.h5"),
         (Kind.ORPHANED, commit_path(stray).name), (Kind.ORPHANED, "0" * 64),
-        (Kind.HALF_WRITTEN, ".partial-x.h5"),
+        (Kind.HALF_WRITTEN, ".partial-x.h5"), (Kind.ORPHANED, "4567"),
     ])  # fmt: skip
 
 
