@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # System packages that darkflat needs on Debian 12 or Ubuntu 22.04 and later: Aravis with its
-# introspection data, what PyGObject is built with, and a PostgreSQL server for the store's tests.
-# Used by `make setup`, CI and the image.
+# introspection data, what PyGObject is built with, a PostgreSQL server for the store's tests and the
+# browser for the page's. Used by `make setup`, CI and the image.
 # Does nothing where they are there already.
 set -euo pipefail
 
 packages=(gir1.2-aravis-0.8 libgirepository1.0-dev gcc pkg-config libcairo2-dev python3-venv make
-    postgresql)
+    postgresql chromium)
 
 missing=()
 for package in "${packages[@]}"; do

@@ -62,10 +62,10 @@ def difference(first: CoefficientSet, second: CoefficientSet, what: Curve) -> Fi
     if what.relative:
         value = 100.0 * (b / a - 1.0)
         std = 100.0 * np.abs(b / a) * np.hypot(u_a / a, u_b / b)
-        y = f"{what.name}<br>second / first − 1, %"
+        y = f"{what.name}: {second.id[:8]}<br>/ {first.id[:8]} − 1, %"
     else:
         value, std = b - a, np.hypot(u_a, u_b)
-        y = f"{what.name}<br>second − first, {what.unit(first)}"
+        y = f"{what.name}: {second.id[:8]}<br>− {first.id[:8]}, {what.unit(first)}"
     return figure(banded(_columns(first), value, std, name=what.name), x="column", y=y)
 
 
@@ -75,7 +75,8 @@ def _lines(shown: CoefficientSet, what: Curve, name: str, color: str) -> list[di
 
 
 def _title(shown: CoefficientSet, what: Curve) -> str:
-    return f"{what.name}<br>{what.unit(shown)}"
+    unit = what.unit(shown)
+    return what.name if unit == "1" else f"{what.name}<br>{unit}"
 
 
 def _columns(shown: CoefficientSet) -> Columns:
