@@ -7,6 +7,7 @@ from nicegui import ui
 
 from service.page.figures.deviance import before_and_after
 from service.page.frame import keep_fresh, view
+from service.page.job_files import draw_files
 from service.page.tables import facts, fill, table, text
 from service.page.visitor import Visitor
 from service.store.records import JobRecord
@@ -55,6 +56,7 @@ class _Report:
             self._all.clear()
             with self._all:
                 _draw(job)
+                draw_files(self._visitor, job.id)
 
 
 def _row(job: JobRecord) -> dict[str, object]:

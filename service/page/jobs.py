@@ -3,6 +3,7 @@
 from nicegui import ui
 
 from service.api.jobs_routes import cancel_job
+from service.page.job_files import draw_files
 from service.page.tables import text
 from service.page.visitor import Visitor
 from service.store.jobs import FINAL
@@ -46,6 +47,7 @@ class JobList:
                 ui.button("Cancel", on_click=lambda: self._cancel(job.id)).props(
                     f'outline dense no-caps aria-label="Cancel {job.kind}"'
                 )
+        draw_files(self._visitor, job.id)
         if job.error_message is not None:
             ui.label(job.error_message).classes("df-trouble")
 

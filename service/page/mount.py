@@ -7,6 +7,7 @@ from fastapi import FastAPI
 from fastapi.responses import RedirectResponse
 from nicegui import app as gui
 from nicegui import ui
+from starlette.middleware import Middleware
 
 from calib.errors import DarkflatError
 from service.page import (  # noqa: F401  (each registers its view)
@@ -14,6 +15,7 @@ from service.page import (  # noqa: F401  (each registers its view)
     bench,
     coefficient_sets,
     diagnosis,
+    job_files,
     recordings,
     runs,
     sign_in,
@@ -39,6 +41,7 @@ def mount_page(app: FastAPI) -> None:
     # A poll is an ordinary request, which other sites may send; only sockets say where from.
     gui.config.socket_io_js_transports = ["websocket"]
     app.include_router(sign_in.router)
+    app.include_router(job_files.router)
     _watch_bench(app)
 
     @app.get("/", include_in_schema=False)
@@ -55,7 +58,8 @@ def mount_page(app: FastAPI) -> None:
         reconnect_timeout=_RECONNECT_S,
         show_welcome_message=False,
     )
-    app.add_middleware(Guard)
+    # The innermost: what guards all of the service comes first, and adds no weaker headers.
+    app.user_middleware.append(Middleware(Guard))
 
 
 def _watch_bench(app: FastAPI) -> None:

@@ -9,6 +9,8 @@ from fastapi import Response
 from service.api.answers.job import JobAnswer
 from service.api.calibrations import CalibrationRequest, start_calibration
 from service.api.dependencies import Parts
+from service.api.diagnoses import DiagnosisRequest, start_diagnosis
+from service.api.photon_transfers import PhotonTransferRequest, start_photon_transfer
 from service.store.actor import Actor
 
 Start = Callable[[Parts, str, Actor, bool], JobAnswer]
@@ -39,4 +41,32 @@ def _calibrate(parts: Parts, digest: str, by: Actor, relative: bool) -> JobAnswe
     )
 
 
-WORK: Final[tuple[RecordingWork, ...]] = (RecordingWork("Calibrate", _calibrate),)
+def _photon_transfer(parts: Parts, digest: str, by: Actor, relative: bool) -> JobAnswer:
+    del relative  # a calibration's choice
+    return start_photon_transfer(
+        wanted=PhotonTransferRequest(recording=digest),
+        response=Response(),
+        store=parts.store,
+        settings=parts.settings,
+        runner=parts.runner,
+        _operator=by,
+    )
+
+
+def _diagnose(parts: Parts, digest: str, by: Actor, relative: bool) -> JobAnswer:
+    del relative
+    return start_diagnosis(
+        wanted=DiagnosisRequest(recording=digest),
+        response=Response(),
+        store=parts.store,
+        settings=parts.settings,
+        runner=parts.runner,
+        _operator=by,
+    )
+
+
+WORK: Final[tuple[RecordingWork, ...]] = (
+    RecordingWork("Calibrate", _calibrate),
+    RecordingWork("Photon transfer", _photon_transfer),
+    RecordingWork("Diagnose", _diagnose),
+)

@@ -86,7 +86,7 @@ class _Detail:
             _blocks(kept.header)
 
     def _work(self, kept: RecordingRecord) -> None:
-        relative = ui.checkbox("Without radiances: a relative scale")
+        relative = ui.checkbox("Calibrate without radiances: a relative scale")
         with ui.row().classes("df-actions"):
             for work in WORK:
                 ui.button(

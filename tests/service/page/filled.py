@@ -34,8 +34,11 @@ DIAGNOSIS: dict[str, Any] = {
 }
 
 
-def fill_store(home: Path, recording: Path) -> tuple[str, str]:
-    """Fill the store of `home`; return the digest of its recording and a set's id."""
+def fill_store(home: Path, recording: Path, *, notes: int = 0) -> tuple[str, str]:
+    """Fill the store of `home`; return the digest of its recording and a set's id.
+
+    The log gets `notes` entries beside.
+    """
     opened = open_recording(recording)
     settings = Settings(home=home)
     home.mkdir(parents=True, exist_ok=True)
@@ -48,6 +51,6 @@ def fill_store(home: Path, recording: Path) -> tuple[str, str]:
         job = store.jobs.submit("diagnose", {"recording": kept.digest}, max_waiting=9)
         store.jobs.start(job.id)
         store.jobs.finish(job.id, "succeeded", result=DIAGNOSIS)
-        for number in range(40):  # more than one page of the log shows
+        for number in range(notes):
             store.audit.record(BY, "note", str(number))
     return kept.digest, sets[-1].id

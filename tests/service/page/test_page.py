@@ -36,7 +36,7 @@ SLOW = short_plan(
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory, recording_file: Path) -> Path:
     made = tmp_path_factory.mktemp("page") / "home"
-    fill_store(made, recording_file)
+    fill_store(made, recording_file, notes=40)  # more than one page of the log shows
     return made
 
 
@@ -149,9 +149,15 @@ def a_recording_is_calibrated(watched: Watched, store: Store) -> None:
     expect(detail.get_by_text("256 columns, 12 bits")).to_be_visible()
     watched.press("Calibrate")
     expect(watched.page.get_by_text("calibrate: succeeded")).to_be_visible(timeout=60_000)
-    watched.press("Calibrate")
-    watched.press("Cancel calibrate")
-    expect(watched.page.get_by_text("calibrate: cancelled")).to_be_visible()
+    watched.press("Photon transfer")
+    expect(watched.page.get_by_text("photon-transfer: succeeded")).to_be_visible(timeout=60_000)
+    with watched.page.expect_popup() as popup:
+        watched.page.get_by_role("link", name="report.html").click()
+    expect(popup.value.get_by_role("heading").first).to_be_visible()
+    popup.value.close()
+    watched.press("Diagnose")
+    watched.press("Cancel diagnose")
+    expect(watched.page.get_by_text("diagnose: cancelled")).to_be_visible()
     assert len(store.sets.list().items) == 3
 
 
@@ -195,6 +201,8 @@ def a_diagnosis_is_read(watched: Watched, store: Store) -> None:
     watched.open("diagnosis")
     digest = store.recordings.list().items[-1].digest
     watched.press(f"Show {digest[:8]}")
+    expect(watched.page.get_by_text("Verdict: cancelled")).to_be_visible()
+    watched.page.get_by_role("button", name=f"Show {digest[:8]}").last.click()
     expect(watched.page.get_by_text("Verdict: explained")).to_be_visible()
     expect(watched.page.get_by_text("interpixel_capacitance 3 %")).to_be_visible()
     watched.wait_for_data("Deviance before and after", 1)
