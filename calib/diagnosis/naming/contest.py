@@ -78,6 +78,8 @@ class Contest:
             ]
         basis = orthonormal(directions, self.evidence)
         freed = [self._freed(score, residual, basis) for score in best_by_name(ranked)]
+        others = [m for j, m in enumerate(model.members) if j != k]
+        freed = [replace(s, net=s.net - told_twice(s.signature.shape, others)) for s in freed]
         return sorted(freed, key=lambda score: -score.net)
 
     def _freed(self, score: Score, residual: Point, basis: Sequence[Point]) -> Score:
@@ -127,7 +129,14 @@ class Contest:
 
     def penalised(self, model: Model) -> float:
         """Return what a model leaves, and what its members cost."""
-        return misfit(model, self.evidence) + sum(self.price_of(m) for m in model.members)
+        prices = sum(self.price_beside(model, k) for k in range(len(model.members)))
+        shared = sum(_told_twice_by(model, k) for k in range(len(model.members)))
+        # What two are credited with is taken from each, and given once.
+        return misfit(model, self.evidence) + prices - 0.5 * shared
+
+    def price_beside(self, model: Model, k: int) -> float:
+        """Return the price of member `k` beside the others."""
+        return self.price_of(model.members[k]) + _told_twice_by(model, k)
 
     def price_of_shape(self, shape: Shape) -> float:
         """Return the price, in deviance, of having tried all shapes of a name, and fitted this."""
@@ -144,6 +153,16 @@ class Contest:
         )
         price = self.price_of_shape(member.signature.shape) + PRICE * len(member.course)
         return price + sum(max(f, 0.0) for f in freedom)
+
+
+def told_twice(shape: Shape, others: Sequence[Member]) -> float:
+    """Return what a shape is credited with and one of `others` is as well."""
+    return min(shape.shared, max((m.signature.shape.shared for m in others), default=0.0))
+
+
+def _told_twice_by(model: Model, k: int) -> float:
+    others = [m for j, m in enumerate(model.members) if j != k]
+    return told_twice(model.members[k].signature.shape, others)
 
 
 def contribution(member: Member) -> Point:

@@ -143,7 +143,7 @@ def _pruned(model: Model, contest: Contest) -> Model:
         return model
     gains = [contest.own_gain(model, k) for k in range(len(model.members))]
     least = int(np.argmin(gains))
-    if gains[least] - contest.price_of(model.members[least]) > THRESHOLD:
+    if gains[least] - contest.price_beside(model, least) > THRESHOLD:
         return model
     kept = [m for j, m in enumerate(model.members) if j != least]
     return _pruned(contest.refitted(model, kept), contest)

@@ -26,17 +26,21 @@ class Shape:
         varied: The parameters that the strength scales, with their values at strength 1.
         two_sided: Whether the strength may be negative.
         freedom: How many numbers were fitted to the recording to arrive at this shape.
+        credit: Deviance that single samples give it beyond what sums of counts do.
+        shared: Of that, what a name beside it is credited with, too.
     """
 
     template: Departure
     varied: tuple[tuple[str, float | tuple[float, ...], float], ...]
     two_sided: bool
     freedom: float = 0.0
+    credit: float = 0.0
+    shared: float = 0.0
 
     @property
     def cost(self) -> float:
         """Deviance that it explains by chance: what it was fitted to is what it is tried on."""
-        return 2.0 * self.freedom
+        return 2.0 * self.freedom - self.credit
 
     @property
     def name(self) -> str:

@@ -10,7 +10,7 @@ What is dropped is unexplained.
 import numpy as np
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.contest import Contest, told_twice
 from calib.diagnosis.naming.heldout import HeldOutDeviances
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.remainder import unexplained_deviance
@@ -43,8 +43,9 @@ def supported(model: Model, contest: Contest) -> Model:
 
 def _gain(k: int, model: Model, contest: Contest) -> float:
     """Return the deviance that member `k` explains, also of what whitened counts have less of."""
-    credit = max(-model.members[k].signature.shape.cost, 0.0)
-    return contest.own_gain(model, k) + credit
+    shape = model.members[k].signature.shape
+    others = [m for j, m in enumerate(model.members) if j != k]
+    return contest.own_gain(model, k) + max(-shape.cost - told_twice(shape, others), 0.0)
 
 
 def _mispredicting(model: Model, evidence: Evidence) -> int | None:

@@ -4,12 +4,14 @@ A template of such an effect drawn at random has next to nothing in common with 
 These are fitted to the residual of the baseline, and pay for what they were fitted with.
 """
 
+from dataclasses import replace
 from math import log
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.far_credit import TAIL_NOISES, far_credit
 from calib.diagnosis.naming.jumping_shapes import jumping_shapes
 from calib.diagnosis.naming.repeated import repeated_shapes
 from calib.diagnosis.naming.shapes import Shape
@@ -29,23 +31,24 @@ COMBS = (2, 4, 8, 16)
 """Periods of code widths that are told one by one."""
 BITS = 4
 """So many are looked at of those that may stick."""
-TRACK_NOISES = (12.0, 40.0, 150.0, 600.0)
+TRACK_NOISES = (6.0, 12.0, 40.0, 150.0, 600.0)
 """Charges of tracks in a pixel that are tried, over the read noise."""
-TAIL_NOISES = (6.0, 15.0)
-"""Standard deviations of the noisier readings, likewise."""
 
 
 def told_shapes(evidence: Evidence) -> dict[str, tuple[Shape, ...]]:
     """Return the shapes of those effects that are not looked for blindly, by name."""
+    far = far_credit(evidence)
+    rays = _of_noise(CosmicRays, "per_pixel_s", "electrons", TRACK_NOISES, evidence)
+    tails = _of_noise(HeavyTailedNoise, "share", "std_e", TAIL_NOISES, evidence)
     return {
         HotPixels.name: _hot(evidence),
         RtsPixels.name: jumping_shapes(evidence),
         AdcInl.name: turning_shapes(evidence),
         AdcDnl.name: _dnl(evidence),
         StuckBit.name: _stuck(evidence),
-        CosmicRays.name: _of_noise(CosmicRays, "per_pixel_s", "electrons", TRACK_NOISES, evidence),
+        CosmicRays.name: _credited(rays, far.rays, far.shared),
         DuplicatedLines.name: repeated_shapes(evidence),
-        HeavyTailedNoise.name: _of_noise(HeavyTailedNoise, "share", "std_e", TAIL_NOISES, evidence),
+        HeavyTailedNoise.name: _credited(tails, far.tails, far.shared),
     }
 
 
@@ -71,6 +74,10 @@ def _of_noise(
         )
         for noise in noises
     )
+
+
+def _credited(shapes: tuple[Shape, ...], credit: float, shared: float) -> tuple[Shape, ...]:
+    return tuple(replace(each, credit=credit, shared=shared) for each in shapes)
 
 
 def _hot(evidence: Evidence) -> tuple[Shape, ...]:

@@ -1,10 +1,11 @@
 """What one block leaves behind, pixel by pixel and line by line."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.statistics.far_samples import FarSamples
 from calib.diagnosis.statistics.rare import RareEvents
 from calib.kernels.residual_products import ResidualProducts
 
@@ -30,6 +31,7 @@ class BlockSums:
         power: Power of the residuals by line and column frequency, (2 n_lines, n_pixels // 2 + 1),
             of the first `spectrum_lines` lines, over what white noise of unit variance would give.
         spectrum_lines: How many lines that are; 0 where there is none.
+        far: Single samples that lie far out, one by one.
     """
 
     n_lines: int
@@ -42,6 +44,7 @@ class BlockSums:
     histogram: NDArray[np.int64]
     power: NDArray[np.float32]
     spectrum_lines: int
+    far: FarSamples = field(default_factory=FarSamples.none)
 
     @property
     def rare(self) -> Floats:

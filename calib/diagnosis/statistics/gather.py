@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums, Floats
+from calib.diagnosis.statistics.far_samples import FarSamples, far_samples, without_one
 from calib.diagnosis.statistics.rare import rare_events
 from calib.diagnosis.statistics.repeats import repeated_lines
 from calib.diagnosis.statistics.settled_mean import settled_mean
@@ -69,7 +70,11 @@ def block_sums(
     mean = sums.mean_dn.reshape(shape)
     variance = np.maximum(np.nan_to_num(sums.variance_dn2).reshape(shape), 0.1)
     # Where the light has edges, a pixel's noise is unlike that of those about it.
-    sigma = _sigma(variance, n, sensor) if uniform else np.sqrt(variance)
+    local = _local(variance, n, sensor)
+    reach = np.maximum(samples.max(axis=0) - mean, mean - samples.min(axis=0))
+    sigma = np.sqrt(variance)
+    if uniform:
+        sigma = _held(np.minimum(variance, without_one(reach, variance, n)), variance, local, n)
     cut = CUT_SIGMA * sigma + 1.0
     products = residual_products(samples, mean, cut, sensor.tap, sensor.n_taps, sensor.partner)
     if products.outliers.any():
@@ -88,18 +93,31 @@ def block_sums(
         np.bincount(flat.ravel(), minlength=sensor.camera.full_scale_dn + 1),
         power_spectrum(flat[:lines], mean.ravel(), cut.ravel()),
         lines,
+        far_samples(samples, mean, reach, variance, local, products.line_means, sensor.tap)
+        if uniform
+        else FarSamples.none(),
     )
 
 
-def _sigma(variance: Floats, n: int, sensor: Sensor) -> Floats:
-    """Return each pixel's standard deviation in `n` lines, held near its tap's others about it."""
-    held = np.empty_like(variance)
+def _held(settled: Floats, variance: Floats, local: Floats, n: int) -> Floats:
+    """Return each pixel's standard deviation in `n` lines, held near that of those about it.
+
+    A pixel is noisier than those about it only if it is without its farthest sample, too: one of
+    a hundred that lies ten standard deviations out doubles the variance.
+    """
+    own = 0.5 if n > FEW_LINES else 0.0
+    found = np.where(variance > local, np.maximum(settled, local), variance)
+    return np.asarray(np.sqrt(np.clip(found, (1.0 - own) * local, (1.0 + own) * local)))
+
+
+def _local(variance: Floats, n: int, sensor: Sensor) -> Floats:
+    """Return the variance that the pixels of its tap about each have in the middle of them."""
+    found = np.empty_like(variance)
     columns = np.arange(sensor.n_columns)
     edges = np.linspace(0, sensor.n_columns, min(NEIGHBOURHOODS, sensor.n_columns // 8 + 1) + 1)
     middles, bounds = (edges[1:] + edges[:-1]) / 2, edges.astype(int)
     # The median of chi-squared over its mean (Wilson and Hilferty), far below 1 for few lines.
     middle = (1.0 - 2.0 / (9.0 * max(n - 1, 1))) ** 3
-    own = 0.5 if n > FEW_LINES else 0.0
     for tap in range(sensor.n_taps):
         of_tap = sensor.tap == tap
         known = [
@@ -107,9 +125,6 @@ def _sigma(variance: Floats, n: int, sensor: Sensor) -> Floats:
             for x, a, b in zip(middles, bounds[:-1], bounds[1:], strict=True)
             if of_tap[:, a:b].any()
         ]
-        local = np.broadcast_to(
-            np.interp(columns, [x for x, _ in known], [v for _, v in known]), variance.shape
-        )
-        clipped = np.clip(variance, (1.0 - own) * local, (1.0 + own) * local)
-        held[of_tap] = clipped[of_tap]
-    return np.sqrt(held)
+        local = np.interp(columns, [x for x, _ in known], [v for _, v in known])
+        found[of_tap] = np.broadcast_to(local, variance.shape)[of_tap]
+    return found
