@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.far_events import FarEvents, far_events
 from calib.diagnosis.naming.far_likelihood import (
-    FarEvents,
-    far_events,
     flipped,
     hit,
     most_likely,
@@ -33,6 +32,8 @@ CHARGE_NOISES = (4.0, 12.0, 40.0, 150.0, 600.0)
 """Mean charges that a pixel is left by a track, likewise."""
 MOST = 100.0
 """Deviance that both are credited with at the most, and the likelier one beyond the other."""
+SURELY = 16.0
+"""So much more have bits that flip to explain: two samples are a power of two off by chance."""
 EVERY_NOISE = 3
 """Sums of each kind of single sample: blocks are told apart by their noise."""
 
@@ -92,12 +93,12 @@ def _best(causes: list[Cause], beside: list[Cause]) -> tuple[Cause, float]:
 
 
 def _flips(events: FarEvents, evidence: Evidence, least: float) -> list[Cause]:
-    """Return bits that flip, if they explain more than `least`."""
+    """Return bits that flip, if they explain far more than `least`."""
     any_bit, *each = flipped(events, evidence)
     one, alone = _best(each, [])
     _, of_any = _best([any_bit], [])
     alone -= 2.0 * log(len(each))
-    if max(alone, of_any) <= least:
+    if max(alone, of_any) <= least + SURELY:
         return []
     return [one, any_bit]
 

@@ -7,7 +7,8 @@ from scipy.special import gammaln, logsumexp
 from scipy.stats import norm
 
 from calib.diagnosis.naming.far_credit import FarCredit, far_credit
-from calib.diagnosis.naming.far_likelihood import log_density, most_likely
+from calib.diagnosis.naming.far_events import log_density
+from calib.diagnosis.naming.far_likelihood import most_likely
 from calib.diagnosis.naming.search import THRESHOLD
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.far_samples import LEAST_SIGMA
