@@ -32,6 +32,8 @@ CHARGE_NOISES = (4.0, 12.0, 40.0, 150.0, 600.0)
 """Mean charges that a pixel is left by a track, likewise."""
 MOST = 100.0
 """Deviance that both are credited with at the most, and the likelier one beyond the other."""
+LEFT = 0.1
+"""Of what one explains, so much may be left, since its law may be another one: Laplace's."""
 SURELY = 16.0
 """So much more have bits that flip to explain: two samples are a power of two off by chance."""
 EVERY_NOISE = 3
@@ -70,8 +72,8 @@ def far_credit(evidence: Evidence) -> FarCredit:
     of_tails = _credited(of_tails - tried[0], above + below)
     of_rays = _credited(of_rays - tried[1], above + tracks)
     both = max(_credited(both - sum(tried), above + below + tracks), of_tails, of_rays)
-    # What one explains beside the other.
-    tails_too, rays_too = both - of_rays, both - of_tails
+    # What one explains beside the other, and beside what the other's shape leaves.
+    tails_too, rays_too = (both - (1.0 + LEFT) * each for each in (of_rays, of_tails))
     least = min(of_tails, of_rays, MOST)
     apart = of_tails - of_rays
     of_tails = least + min(max(apart, 0.0), MOST)
