@@ -166,6 +166,13 @@ class LightSource(Protocol):
         """Read every lamp back."""
         ...
 
+    def order_off(self) -> None:
+        """Tell everything to go off at once, at any moment, and wait for no answer.
+
+        Whoever calls it reads back by `off`, which tells it once more: this may have been lost.
+        """
+        ...
+
     def off(self) -> LightState:
         """Switch everything off at once, at any moment, and read it back.
 

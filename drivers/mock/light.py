@@ -1,6 +1,7 @@
 """A sphere's lamps without a line: they warm up in the World, and fail when told to."""
 
 import time
+from contextlib import suppress
 from threading import Event, Lock
 
 from drivers.errors import DeviceError, SettingRefusedError
@@ -98,13 +99,14 @@ class MockLight:
         level = sum(lamp.current_a == self._nominal_a for lamp in lamps)
         return LightState(level=float(level), lamps=lamps)
 
+    def order_off(self) -> None:
+        """Switch everything off."""
+        with suppress(DeviceError):  # it is done again, and read back
+            self._put_out()
+
     def off(self) -> LightState:
         """Switch everything off and read it back; `lamps-not-off` names those that are still on."""
-        self._off_orders += 1
-        self._ordered_off.set()
-        with self.line.exchange():
-            for lamp in range(1, self._n_lamps + 1):
-                self._drive(lamp, 0.0)
+        self._put_out()
         state = self.state()
         lit = [str(number) for number, lamp in enumerate(state.lamps, start=1) if lamp.on]
         if lit:
@@ -114,6 +116,13 @@ class MockLight:
                 code="lamps-not-off",
             )
         return state
+
+    def _put_out(self) -> None:
+        self._off_orders += 1
+        self._ordered_off.set()
+        with self.line.exchange():
+            for lamp in range(1, self._n_lamps + 1):
+                self._drive(lamp, 0.0)
 
     def brown_out(self, lamp: int) -> None:
         """Let `lamp` (from 1) lose its mains now; it burns again when set to."""

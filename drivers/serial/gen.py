@@ -113,16 +113,20 @@ class GenLamps:
         """Read every lamp back; `level` is the number that burn at their nominal current."""
         return self._state([lamp.read() for lamp in self._lamps])
 
+    def order_off(self) -> None:
+        """Send the group command, whoever uses the line."""
+        self._off_orders += 1
+        self._ordered_off.set()
+        with suppress(DeviceError):  # it is sent again, with the lock held, and read back
+            self._units.link.interject("GOUT OFF")
+
     def off(self) -> LightState:
         """Switch all supplies off by the group command at once, and read each one back.
 
         Raises DeviceError with code `lamps-not-off`, naming every lamp that is not known to be off;
         of the line's class (DeviceLostError, ...) where that alone is at fault.
         """
-        self._off_orders += 1
-        self._ordered_off.set()
-        with suppress(DeviceError):  # it is sent again, with the lock held, and read back
-            self._units.link.interject("GOUT OFF")
+        self.order_off()
         return self._state(read_back_off(self._units, self._lamps))
 
     def close(self) -> None:

@@ -4,6 +4,7 @@ The level is the current relative to the nominal one: with a nominal current of 
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from threading import Lock
 
@@ -101,6 +102,12 @@ class MightexLed:
             voltage_v = self._channel.voltage_v() if current_ma > 0 else None
         lamp = LampState(on=current_ma > 0, current_a=current_ma / 1000, voltage_v=voltage_v)
         return LightState(level=current_ma / self._nominal_ma, lamps=(lamp,))
+
+    def order_off(self) -> None:
+        """Disable the channel."""
+        self._off_orders += 1
+        with suppress(DeviceError), self._link.lock:  # it is sent again, and read back
+            self._channel.switch(on=False)
 
     def off(self) -> LightState:
         """Disable the channel and read it back.

@@ -11,15 +11,20 @@ from service.owner.messages import BenchLook, DeviceLook, Trouble
 Values = dict[str, float | str | bool | None]
 
 
-def look_at(bench: Bench, *, switching_off: bool = False) -> BenchLook:
+def look_at(
+    bench: Bench, *, switching_off: bool = False, light_is: LightState | None = None
+) -> BenchLook:
     """Return how every device is, read back now.
 
     Args:
         bench: Open.
         switching_off: Whether the light is switched off before it is read.
+        light_is: What was read back of the light just now; then it is not asked once more.
     """
 
     def light() -> Values:
+        if light_is is not None:
+            return _of_light(light_is)
         return _of_light(all_off(bench.light) if switching_off else bench.light.state())
 
     def monitor() -> Values:

@@ -2,6 +2,7 @@
 
 import math
 import threading
+import time
 
 import pytest
 
@@ -63,6 +64,14 @@ class LightContract:
         assert state.level == 0.0
         assert not any(lamp.on for lamp in state.lamps)
         assert light.state().level == 0.0
+
+    def test_ordered_off_it_goes_dark_and_burns_again_when_set(self, light: LightSource) -> None:
+        light.set_level(light.max_level)
+        light.order_off()
+        give_up_s = time.monotonic() + 10.0
+        while light.state().level > 0:
+            assert time.monotonic() < give_up_s
+        assert light.set_level(self.part_level).level == pytest.approx(self.part_level)
 
     def test_off_twice_is_as_good_as_once(self, light: LightSource) -> None:
         light.set_level(self.part_level)
