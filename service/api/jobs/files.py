@@ -77,4 +77,5 @@ class JobFiles:
 
 
 def _is_ours(path: Path) -> bool:
-    return bool(_NAME.fullmatch(path.name)) and path.suffix in MEDIA_TYPES and path.is_file()
+    is_named = _NAME.fullmatch(path.name) is not None and path.suffix in MEDIA_TYPES
+    return is_named and path.is_file() and not path.is_symlink()

@@ -15,12 +15,14 @@ import pytest
 from fastapi.testclient import TestClient
 from numpy.random import default_rng
 
-from calib.errors import InputError
+from calib.errors import InputError, NotDeterminedError
 from calib.forward.model import Model
 from calib.mtf.geometry import Alignment
 from calib.mtf.simulation.detector import DetectorNoise
 from calib.mtf.simulation.folder import write_folder
 from calib.recording.open import open_recording
+from service.api.jobs.kinds.diagnosis import diagnose
+from service.api.jobs.kinds.photon_transfer import photon_transfer
 from service.api.jobs.kinds.transfer_function import transfer_function
 from service.app import create_app
 from service.cli.simulated_recording import simulate_recording
@@ -80,13 +82,14 @@ def test_a_photon_transfer_answers_as_the_command_and_leaves_its_data_sheet(
     assert str(client.get("/v1/jobs").json()["items"][0]["files"]) == str(job["files"])
 
 
-def test_a_method_that_the_recording_does_not_allow_fails_with_its_sentence(
-    client: TestClient, recording_file: Path
+def test_a_method_that_the_recording_does_not_allow_says_so_and_leaves_nothing(
+    recording_file: Path, tmp_path: Path
 ) -> None:
-    body = {"recording": upload(client, recording_file), "method": "sanuc"}
-    job = ended(client, client.post("/v1/photon-transfers", json=body).headers["Location"])
-    assert (job["state"], job["error"]["code"]) == ("failed", "not-doubled")
-    assert job["files"] == []
+    request = {"recording_path": recording_file, "method": "sanuc", "files": tmp_path}
+    with pytest.raises(NotDeterminedError) as refused:
+        photon_transfer(request, lambda _: None)
+    assert refused.value.code == "not-doubled"
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_diagnosis_leaves_its_page_and_the_amended_model(
@@ -106,9 +109,7 @@ def test_a_diagnosis_leaves_its_page_and_the_amended_model(
     assert "path" not in str(job["request"])
 
 
-def test_what_cannot_be_diagnosed_fails_and_leaves_a_page_that_says_why(
-    client: TestClient, tmp_path: Path
-) -> None:
+def test_what_cannot_be_diagnosed_leaves_a_page_that_says_why(tmp_path: Path) -> None:
     darks = [{"kind": "dark", "exposure_us": t, "level": 1} for t in (20.0, 50.0)]
     plan = Plan.parse(
         {
@@ -117,13 +118,14 @@ def test_what_cannot_be_diagnosed_fails_and_leaves_a_page_that_says_why(
             "camera": {"line_period_us": 100.0, "columns": 64},
         }
     )
-    simulate_recording(
-        Model.preset("demo"), plan, tmp_path / "darks.h5", seed=2, scenes_folder=tmp_path
-    )
-    body = {"recording": upload(client, tmp_path / "darks.h5")}
-    job = ended(client, client.post("/v1/diagnoses", json=body).headers["Location"])
-    assert (job["state"], job["error"]["code"]) == ("failed", "no-flats")
-    assert b"cannot be diagnosed" in files_of(client, job)["report.html"]
+    recording, files = tmp_path / "darks.h5", tmp_path / "files"
+    files.mkdir()
+    simulate_recording(Model.preset("demo"), plan, recording, seed=2, scenes_folder=tmp_path)
+    request = {"recording_paths": [recording], "names": ["d"], "model": None, "files": files}
+    with pytest.raises(NotDeterminedError) as refused:
+        diagnose(request, lambda _: None)
+    assert refused.value.code == "no-flats"
+    assert "cannot be diagnosed" in (files / "report.html").read_text()
 
 
 @pytest.fixture
@@ -144,12 +146,12 @@ def zipped(folder: Path) -> bytes:
 def test_a_scan_becomes_a_transfer_function_as_by_the_command(
     client: TestClient, scan: Path, tmp_path: Path, run: Run, settings: Settings
 ) -> None:
-    started = client.post("/v1/transfer-functions?support=5", content=zipped(scan), headers=ZIP)
+    started = client.post("/v1/transfer-functions?method=filter", content=zipped(scan), headers=ZIP)
     assert started.status_code == 202, started.text
     job = ended(client, started.headers["Location"])
     assert job["state"] == "succeeded", job["error"]
     out = tmp_path / "TF.h5"
-    told = run("mtf", scan, "--support", "5", "--out", out, "--json", "-").json
+    told = run("mtf", scan, "--method", "filter", "--out", out, "--json", "-").json
     assert job["result"]["transfer_function"] == told["transfer_function"]  # names its content
     files = files_of(client, job)
     assert set(files) == {"answer.json", "report.html", "transfer-function.h5"}
@@ -212,6 +214,7 @@ def test_a_file_is_found_by_its_name_alone(client: TestClient, settings: Setting
         "..%2Fsecret.json",
         "%2e%2e",
         ".",
+        "passwd.json",
         "answer",
         "ANSWER.JSON",
         "answer.json%00",

@@ -12,6 +12,7 @@ from service.api.jobs import runner as jobs_runner
 from service.api.jobs.files import JobFiles
 from service.api.jobs.process import Done
 from service.api.jobs.runner import JobRunner
+from service.api.jobs.scratch import FILES
 from service.settings import Settings
 from service.store.errors import StoreError
 from service.store.jobs import Jobs
@@ -25,7 +26,7 @@ class Work:
     """In place of a process: leaves a file behind, and waits to be let go or killed."""
 
     def __init__(self, _kind: str, request: Mapping[str, Any]) -> None:
-        scratch = Path(request["scratch"])
+        self.scratch = scratch = Path(request["scratch"])
         scratch.mkdir(parents=True)
         (scratch / "half.h5").write_bytes(b"half")
         self._killed = threading.Event()
@@ -146,6 +147,35 @@ def test_a_result_that_comes_after_the_cancellation_is_not_kept(
     monkeypatch.setattr(Work, "wait", lambda work, tell: Done(result={}))
     reaches(store, submit(), "succeeded")
     assert results == []
+
+
+@pytest.mark.parametrize(
+    ("how", "names"),
+    [("succeeded", ["report.html"]), ("failed", ["report.html"]), ("cancelled", [])],
+)
+def test_files_of_a_job_are_kept_unless_it_was_cancelled(
+    store: Store, submit: Callable[..., JobRecord], runner: JobRunner,
+    monkeypatch: pytest.MonkeyPatch, *, how: str, names: list[str],
+) -> None:  # fmt: skip
+    ends = {"succeeded": Done(result={}), "failed": Done(error=("no-flats", "add flats"))}
+
+    def leaving(work: Work, _tell: Callable[[float], None]) -> Done:
+        files = work.scratch / FILES
+        files.mkdir()
+        for name in ("report.html", "half.h5.partial", ".hidden.json"):
+            (files / name).write_text("x")
+        work._killed.wait(UNTIL_S if work._waits else 0)
+        return ends.get(how, Done(error=("worker-died", "")))
+
+    monkeypatch.setattr(Work, "wait", leaving)
+    job = submit(waits=how == "cancelled")
+    if how == "cancelled":
+        reaches(store, job, "running")
+        runner.cancel(job.id)
+    assert reaches(store, job, how).state == how
+    monkeypatch.setattr(Work, "wait", lambda _work, _tell: Done(result={}))
+    reaches(store, submit(), "succeeded")  # so the one before is done with
+    assert [each.name for each in runner.files.of(job.id)] == names
 
 
 @pytest.mark.parametrize("how", ["succeeded", "failed", "cancelled"])
