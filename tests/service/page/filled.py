@@ -43,7 +43,7 @@ def fill_store(home: Path, recording: Path, *, notes: int = 0) -> tuple[str, str
     settings = Settings(home=home)
     home.mkdir(parents=True, exist_ok=True)
     with Store.open(settings) as store:
-        kept = store.recordings.register(opened, name="six flats", by=BY.name)
+        kept = store.recordings.register(opened, name="six flats", by=BY)
         sets = [
             store.sets.add(calibrate(opened, order=order).coefficients, by=BY, reason="calibrated")
             for order in (2, 4)
