@@ -19,6 +19,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -87,7 +88,8 @@ def serving(folder: Path) -> Iterator[str]:
     ) as process:  # fmt: skip
         try:
             assert process.stdout is not None
-            yield json.loads("".join(process.stdout.readline() for _ in range(6)))["url"]
+            told = "".join(takewhile(lambda line: line != "}\n", process.stdout))
+            yield json.loads(told + "}")["url"]
         finally:
             process.terminate()
 

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -18,7 +19,6 @@ from service.bench.settings import BenchSettings
 from service.client import Client
 
 ROOT = Path(__file__).parents[2]
-_ANSWER_LINES = 6
 READY_S = 120.0
 
 
@@ -56,9 +56,10 @@ class Served:
                 env={**os.environ, "DARKFLAT_HOME": str(self.home)},
             )  # fmt: skip
         assert self._process.stdout is not None
-        told = "".join(self._process.stdout.readline() for _ in range(_ANSWER_LINES))
+        lines = takewhile(lambda line: line != "}\n", self._process.stdout)
+        told = "".join(lines)
         assert told, self.log()
-        self.url = json.loads(told)["url"]
+        self.url = json.loads(told + "}")["url"]
 
     def kill(self) -> None:
         """kill -9 of the server alone."""

@@ -33,14 +33,14 @@ __all__ = ["plan_file", "recording_file"]
 DARK_WITHIN_S = 5.0
 """Of the restart: the promise, which the long form measures."""
 PLAN: Plan = short_plan(
-    sweep={"type": "exposure", "exposures_us": [50.0, 100.0, 150.0], "level": 2}, lines=256
+    sweep={"type": "exposure", "exposures_us": [50.0, 100.0, 150.0], "level": 2}, lines=768
 )
 
 
 @pytest.fixture
 def service(tmp_path: Path) -> Iterator[Served]:
     content = in_process(f"server-{os.getpid()}", tmp_path / "world").model_dump()
-    content["camera"]["paced"] = True  # 256 lines of 1 ms: frames come all the time
+    content["camera"]["paced"] = True  # 768 lines of 1 ms: frames come all the time
     with served(tmp_path, BenchSettings.parse(content)) as started:
         yield started
 
@@ -73,6 +73,7 @@ class Killing:
         self._begin()
         with ClientsAtWork(self.service, self._archive, self._folder, self.told):
             wait_until(self._is_lit_or_over)
+            wait_until(lambda: bool(self.told.recordings and self.told.certified))
             time.sleep(delay_s)
             others = children(self.service.pid) if bench_too else []
             self.service.kill()
