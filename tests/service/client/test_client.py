@@ -98,6 +98,7 @@ def test_a_run_is_started_once_although_the_answer_is_lost() -> None:
 
 JOB: dict[str, Any] = {
     "id": "j", "kind": "calibrate", "state": "running", "progress": None, "request": {},
+    "files": [],
     "result": None, "error": None, "submitted_at": "2026-01-01T00:00:00Z", "started_at": None,
     "finished_at": None,
 }  # fmt: skip
