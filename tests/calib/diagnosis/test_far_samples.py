@@ -88,8 +88,8 @@ def _credit(*effects: Effect) -> FarCredit:
 
 
 def test_names_are_credited_with_their_own_samples() -> None:
-    # 12 electrons of read noise; some 80 readings six times as noisy, and some 20 tracks.
-    tails = _credit(HeavyTailedNoise(share=5e-4, std_e=72.0))
+    # 12 electrons of read noise; some 350 readings six times as noisy, and some 20 tracks.
+    tails = _credit(HeavyTailedNoise(share=2e-3, std_e=72.0))
     rays = _credit(CosmicRays(per_pixel_s=0.5, electrons=1000.0))
     clean = _credit()
     assert tails.tails > tails.rays + THRESHOLD
