@@ -182,6 +182,7 @@ def assert_audited(client: Client, run_id: str, set_id: str) -> None:
     by_us = [(each.action, each.subject) for each in entries if each.who == "control-pc"]
     assert by_us == [
         ("run.submit", run_id), ("run.pausing", run_id), ("run.running", run_id),
+        ("recording.register", client.runs.get(run_id).recording),
         ("coefficient-set.draft", set_id), ("coefficient-set.verified", set_id),
         ("coefficient-set.certified", set_id),
     ]  # fmt: skip
