@@ -40,9 +40,9 @@ _VARIABLES = {
 
 def locate(point: Point, statistic: str, depends_on: Sequence[str], evidence: Evidence) -> Where:
     """Return where a whitened contribution lives."""
-    n = evidence.pooled_std.size
+    n = evidence.pooled.std.size
     by_block = (point.means**2).sum(axis=1)
-    by_block = by_block + (point.rest[:n].reshape(evidence.pooled_std.shape) ** 2).sum(axis=1)
+    by_block = by_block + (point.rest[:n].reshape(evidence.pooled.std.shape) ** 2).sum(axis=1)
     columns = columns_of((point.means**2).sum(axis=0), evidence)
     return where(statistic, depends_on, by_block, columns, evidence)
 

@@ -12,10 +12,10 @@ from calib.diagnosis.baseline.code_counts import CodeCounts, saturated_blocks
 from calib.diagnosis.baseline.nuisance import regressors, scene_blocks
 from calib.diagnosis.evidence.growing import Growing
 from calib.diagnosis.evidence.mean_space import MeanSpace, mean_space
-from calib.diagnosis.evidence.noise_directions import noise_directions
+from calib.diagnosis.evidence.onset import onset_seen, onset_std
 from calib.diagnosis.evidence.point import Point
+from calib.diagnosis.evidence.pooled_space import PooledSpace
 from calib.diagnosis.evidence.rare_space import RareSpace
-from calib.diagnosis.evidence.shared_noise import SharedNoise
 from calib.diagnosis.evidence.standing_out import N_STEPS, PixelMisfits, steps
 from calib.diagnosis.evidence.tone_scale import ToneScale
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
@@ -25,21 +25,12 @@ from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.common_noise import CommonNoise
 from calib.diagnosis.statistics.counts import Counts
-from calib.diagnosis.statistics.expected import expected
 from calib.diagnosis.statistics.few_samples import excess_as_normal
-from calib.diagnosis.statistics.gather import CUT_SIGMA
-from calib.diagnosis.statistics.pooled import ONSET_LINES, Pooled, places, pooled
+from calib.diagnosis.statistics.pooled import ONSET_LINES
 from calib.diagnosis.statistics.tones import Peak, find_peaks
 from calib.rounding import mean_square_bias
 
 Floats = NDArray[np.float64]
-
-NEAR_EVENTS = 3.0
-"""So many samples nearly stand out for each that does."""
-LEAST_EVENTS = 0.5
-"""Of them in a group of pixels and a block: one more or less is no sign of anything."""
-SHARED_KINDS = ("common", "common_taps", "common_1", "common_2")
-"""Statistics of what a line's pixels have in common, side by side in a block's vector."""
 
 
 @dataclass(frozen=True)
@@ -72,11 +63,6 @@ class Evidence:
     growing: Growing | None = None
     of_all: "Evidence | None" = None
 
-    @cached_property
-    def places(self) -> dict[str, slice]:
-        """Where each kind of pooled statistic stands in a block's vector."""
-        return places(self.sensor)
-
     @property
     def n_blocks(self) -> int:
         """How many blocks there are."""
@@ -86,16 +72,6 @@ class Evidence:
     def n(self) -> Floats:
         """Lines of each block."""
         return np.array([each.n_lines for each in self.sums], np.float64)
-
-    def _fourths_of_events(self) -> Floats:
-        """Return by how much kurtosis scatters with single samples that nearly stand out.
-
-        Each of them has the fourth power of up to the cut at which samples are counted instead.
-        """
-        sigma = np.sqrt(self.baseline.variance_dn2.mean(axis=(1, 2)))[:, None]
-        samples = np.maximum(self.n[:, None] * self.counts.pixels, 1.0)
-        events = LEAST_EVENTS + NEAR_EVENTS * self.rare_space.rate[:, None] * samples
-        return np.asarray((CUT_SIGMA + 1.0 / sigma) ** 4 / (3.0 * samples) * np.sqrt(events))
 
     @property
     def saturated(self) -> NDArray[np.bool_]:
@@ -127,52 +103,13 @@ class Evidence:
         return mean_space(weight, regressors(self.table, signal.shape), modes, block, strength)
 
     @cached_property
-    def expected(self) -> tuple[tuple[Pooled, Pooled], ...]:
-        """Each block's pooled statistics as the baseline expects them, and their deviations."""
-        pairs = []
-        for b in range(self.n_blocks):
-            gain = self.baseline.gain_dn_per_e[self.sensor.tap]
-            signal = np.maximum(self.baseline.mean_dn[b] - self.baseline.offset_dn, 0.0)
-            variance = self.baseline.variance_dn2[b]
-            pair = expected(variance, gain**3 * signal, int(self.n[b]), self.sensor, self.counts)
-            raised = self._shared_noise(float(signal.mean()), pair[0].of["common"]).growth()
-            n_taps = self.sensor.n_taps
-            pair[1].of["common"] *= raised[:n_taps]
-            for kind, factor in zip(SHARED_KINDS[1:], raised[n_taps:], strict=True):
-                pair[1].of[kind] *= factor
-            pairs.append(pair)
-        return tuple(pairs)
-
-    def _shared_noise(self, signal_dn: float, white: Floats) -> SharedNoise:
-        common = self.common
-        shared = common.shared_dn2(signal_dn)
-        return SharedNoise(self.counts, white, shared, common.rows_share)
-
-    @cached_property
-    def _whiteners(self) -> Floats:
-        """What makes statistics of common noise independent, (n_blocks, n, n)."""
-        return np.stack(
-            [
-                self._shared_noise(float(signal), mean.of["common"]).whitener()
-                for signal, (mean, _) in zip(
-                    np.maximum(self.signal_dn, 0.0), self.expected, strict=True
-                )
-            ]
-        )
-
-    @cached_property
-    def pooled_std(self) -> Floats:
-        """Standard deviations of the pooled statistics, (n_blocks, n_pooled); inf: not used."""
-        if self.of_all is not None and self.kept is not None:
-            return np.where(self.kept[:, None], self.of_all.pooled_std, np.inf)
-        std = np.stack([std.vector() for _, std in self.expected])
-        # The noise of pixels side by side in bright and dark parts has no common level.
-        std[scene_blocks(self.table)] = np.inf
-        where = self.places["kurtosis"]
-        std[:, where] = np.hypot(std[:, where], self._fourths_of_events())
-        # Where wells or codes are full, noise is not the light's.
-        std[self.saturated] = np.inf
-        return std
+    def pooled(self) -> PooledSpace:
+        """The space of the pooled statistics."""
+        scenes = scene_blocks(self.table)
+        return PooledSpace(
+            self.sums, self.sensor, self.baseline, self.counts, self.common, self.rare_space,
+            scenes, self.kept, None if self.of_all is None else self.of_all.pooled,
+        )  # fmt: skip
 
     @cached_property
     def rare_space(self) -> RareSpace:
@@ -187,7 +124,7 @@ class Evidence:
     def rest_places(self) -> dict[str, slice]:
         """Where each kind of statistic besides the means stands in a point's `rest`."""
         sizes = {
-            "pooled": self.pooled_std.size,
+            "pooled": self.pooled.std.size,
             "onset": self.n_blocks * ONSET_LINES,
             "rare": self.rare_space.n_sums,
         }
@@ -216,13 +153,8 @@ class Evidence:
 
     @cached_property
     def _observed(self) -> Change:
-        onset = np.zeros((self.n_blocks, ONSET_LINES))
-        for b, each in enumerate(self.sums):
-            line = each.products.line_means.mean(axis=(1, 2))
-            k = min(ONSET_LINES, len(line) // 2)
-            onset[b, :k] = line[:k] - line[len(line) // 2 :].mean()
         return Change(
-            self.observed_means, onset, self.observed_pooled, self.rare_space.seen,
+            self.observed_means, onset_seen(self.sums), self.pooled.observed, self.rare_space.seen,
             self.excess_variance,
             self.code_counts.residual(),
             self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),
@@ -237,16 +169,6 @@ class Evidence:
         return np.asarray(means - self.baseline.mean_dn.reshape(means.shape))
 
     @cached_property
-    def observed_pooled(self) -> Floats:
-        """Pooled statistics less those that the baseline expects, (n_blocks, n_pooled)."""
-        vectors = []
-        for b, each in enumerate(self.sums):
-            variance = self.baseline.variance_dn2[b]
-            values = pooled(each.products, each.n_lines, variance, self.sensor, self.counts)
-            vectors.append(values.vector() - self.expected[b][0].vector())
-        return np.stack(vectors)
-
-    @cached_property
     def excess_variance(self) -> Floats:
         """Each pixel's variance over the expected one in all blocks, less 1, (n_pixels,)."""
         squares = np.zeros(self.sensor.n_pixels)
@@ -258,15 +180,7 @@ class Evidence:
     def point(self, change: Change) -> Point:
         """Return a change in the whitened space, without what the baseline absorbs."""
         means = self.space.project(change.means)
-        pool = np.where(
-            np.isfinite(self.pooled_std) & (self.pooled_std > 0),
-            change.pooled / np.where(self.pooled_std > 0, self.pooled_std, 1.0), 0.0,
-        )  # fmt: skip
-        where = slice(self.places[SHARED_KINDS[0]].start, self.places[SHARED_KINDS[-1]].stop)
-        pool[:, where] = np.einsum("bij,bj->bi", self._whiteners, pool[:, where])
-        pool = pool.ravel()
-        for direction in self._noise_directions:
-            pool = pool - direction * float(direction @ pool)
+        pool = self.pooled.whitened(change.pooled)
         if self.kept is not None:
             gone = ~self.kept
             onset = np.where(gone[:, None], 0.0, change.onset / self.onset_std)
@@ -343,19 +257,7 @@ class Evidence:
         """Standard deviations of the first lines' means, (n_blocks, ONSET_LINES)."""
         if self.of_all is not None:
             return self.of_all.onset_std
-        std = np.full((self.n_blocks, ONSET_LINES), np.inf)
-        for b in range(1, self.n_blocks):
-            signal = float((self.baseline.mean_dn[b] - self.baseline.offset_dn).mean())
-            white = float(self.baseline.variance_dn2[b].mean()) / self.sensor.n_pixels
-            shared = self.common.fixed_dn2 + self.common.relative * signal**2
-            if self.n[b] >= 2 * ONSET_LINES:
-                std[b] = np.sqrt((white + shared / self.sensor.n_rows) * (1.0 + 2.0 / self.n[b]))
-        return std
-
-    @cached_property
-    def _noise_directions(self) -> tuple[Floats, ...]:
-        """Whitened changes of the pooled variances with each tap's gain and read noise."""
-        return noise_directions(self.pooled_std, self.baseline, self.sensor, self.counts)
+        return onset_std(self.sums, self.baseline, self.sensor, self.common)
 
     def misfit(self, means: Floats, *, observed: bool) -> Floats:
         """Return by how many standard deviations each pixel's means, DN, miss the baseline."""

@@ -52,9 +52,9 @@ def noisy_pixels(evidence: Evidence) -> NDArray[np.intp]:
 
 
 def _common(quiet: Evidence) -> CommonNoise:
-    observed = quiet.observed_pooled
+    observed = quiet.pooled.observed
     where = places(quiet.sensor)
-    white = np.stack([mean.of["common"].mean() for mean, _ in quiet.expected])
+    white = np.stack([mean.of["common"].mean() for mean, _ in quiet.pooled.expected])
     taps = quiet.counts.taps_of_row
     own = observed[:, where["common"]].mean(axis=1)
     cross = observed[:, where["common_taps"]].mean(axis=1)

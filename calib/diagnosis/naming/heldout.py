@@ -103,7 +103,7 @@ class HeldOutDeviances:
         Where all of them are left out once, pixels' own offsets and slopes take none of them away.
         """
         space = self._spaces[0]
-        pooled = int((np.isfinite(space.pooled_std) & (space.pooled_std > 0)).sum())
+        pooled = int(space.pooled.used.sum())
         means = int((space.space.weight > 0).sum())
         return pooled + (means if self.folds else space.space.degrees_of_freedom)
 

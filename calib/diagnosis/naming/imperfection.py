@@ -33,10 +33,10 @@ def left_by_errors(direction: Point, model: Model, evidence: Evidence) -> float:
 
 def energies(point: Point, evidence: Evidence) -> Floats:
     """Return the squared length of a point in each kind of statistic, (n_kinds,)."""
-    n = evidence.pooled_std.size
-    pooled = point.rest[:n].reshape(evidence.pooled_std.shape)
+    n = evidence.pooled.std.size
+    pooled = point.rest[:n].reshape(evidence.pooled.std.shape)
     found = [max(evidence.space.product(point.means, point.means), 0.0)]
-    found += [float((pooled[:, where] ** 2).sum()) for where in evidence.places.values()]
+    found += [float((pooled[:, where] ** 2).sum()) for where in evidence.pooled.places.values()]
     end = n
     for kind, where in evidence.rest_places.items():
         if kind != "pooled":

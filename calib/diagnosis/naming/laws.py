@@ -132,7 +132,7 @@ def _corners(like: Change, evidence: Evidence) -> Iterator[Change]:
 
 def _bent(like: Change, evidence: Evidence, added: Floats, slope: Floats) -> Change:
     """Return the change where `added`, DN, moves means, and its slope stretches their noise."""
-    where = evidence.places["variance"]
+    where = evidence.pooled.places["variance"]
     pooled = np.zeros_like(like.pooled)
     variance, some = evidence.baseline.variance_dn2, np.maximum(evidence.counts.pixels, 1.0)
     for b, stretched in enumerate(2.0 * slope * variance):
@@ -142,10 +142,10 @@ def _bent(like: Change, evidence: Evidence, added: Floats, slope: Floats) -> Cha
 
 def _farther(like: Change, evidence: Evidence) -> Iterator[Change]:
     """Yield what pixels two apart share, and those of other rows, as nearest neighbours do."""
-    nearest = like.pooled[:, evidence.places["columns_1"]]
+    nearest = like.pooled[:, evidence.pooled.places["columns_1"]]
     for kind in ("columns_2", "rows"):
         pooled = np.zeros_like(like.pooled)
-        pooled[:, evidence.places[kind]] = nearest
+        pooled[:, evidence.pooled.places[kind]] = nearest
         yield replace(like * 0.0, pooled=pooled)
 
 

@@ -55,8 +55,8 @@ def rebased(now: Baseline, missed: Change, evidence: Evidence) -> Baseline:
 def _noise_step(missed: Change, evidence: Evidence) -> tuple[Floats, Floats]:
     """Return what each tap's gain, DN/e-, and read variance, DN^2, miss of the variances."""
     sensor, first = evidence.sensor, evidence.baseline
-    where = evidence.places["variance"]
-    std, missing = evidence.pooled_std[:, where], missed.pooled[:, where]
+    where = evidence.pooled.places["variance"]
+    std, missing = evidence.pooled.std[:, where], missed.pooled[:, where]
     some = np.maximum(evidence.counts.pixels, 1.0)
     signal = np.stack([grouped(m - first.offset_dn, sensor) / some for m in first.mean_dn])
     tap = np.arange(sensor.n_groups) // (sensor.n_groups // sensor.n_taps)

@@ -92,9 +92,9 @@ def _means(model: Model, evidence: Evidence) -> list[Look]:
 
 
 def _pooled(model: Model, evidence: Evidence) -> list[Look]:
-    n = evidence.pooled_std.size
-    pooled = model.residual.rest[:n].reshape(evidence.pooled_std.shape)
-    used = np.isfinite(evidence.pooled_std) & (evidence.pooled_std > 0)
+    n = evidence.pooled.std.size
+    pooled = model.residual.rest[:n].reshape(evidence.pooled.std.shape)
+    used = evidence.pooled.used
     kinds = {
         "variance": ("variance", ("signal",)),
         "kurtosis": ("tail", ("line",)),
@@ -109,7 +109,7 @@ def _pooled(model: Model, evidence: Evidence) -> list[Look]:
     }
     looks = []
     for kind, (statistic, depends) in kinds.items():
-        where = evidence.places[kind]
+        where = evidence.pooled.places[kind]
         freedom = float(used[:, where].sum())
         if freedom > 0:
             energy = (pooled[:, where] ** 2).sum(axis=1)

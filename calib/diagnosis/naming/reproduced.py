@@ -18,11 +18,9 @@ def reproduced(one: Change, other: Change, evidence: Evidence, *, exact: bool) -
     if not exact:
         smooth = [_along_profile(_of_quiet(each, evidence), signal) for each in (one, other)]
         means = _shrunk(smooth[0], smooth[1])
-    std = evidence.pooled_std
-    fine = np.isfinite(std) & (std > 0)
-    white = [np.where(fine, c.pooled / np.where(fine, std, 1.0), 0.0) for c in (one, other)]
+    white = [evidence.pooled.over_std(c.pooled) for c in (one, other)]
     pooled = half.pooled.copy()
-    for where in evidence.places.values():
+    for where in evidence.pooled.places.values():
         pooled[:, where] *= _share(white[0][:, where], white[1][:, where])
     return Change(
         means, _shrunk(one.onset, other.onset), pooled, half.rare,

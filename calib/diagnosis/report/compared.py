@@ -62,11 +62,11 @@ class Compared:
     def pooled(self, kind: str) -> tuple[Floats, Floats, Floats, Floats]:
         """Return a pooled statistic: recorded, plain, final, std, (n_blocks, n_groups) each."""
         evidence, model = self.examined.evidence, self.examined.model
-        where = evidence.places[kind]
-        plain = np.stack([mean.vector()[where] for mean, _ in evidence.expected])
+        where = evidence.pooled.places[kind]
+        plain = np.stack([mean.vector()[where] for mean, _ in evidence.pooled.expected])
         recorded = plain + model.observed.pooled[:, where]
         final = plain if model.change is None else plain + model.change.pooled[:, where]
-        std = evidence.pooled_std[:, where]
+        std = evidence.pooled.std[:, where]
         return recorded, plain, final, np.where(std > 0, std, np.inf)
 
     @cached_property
@@ -93,11 +93,11 @@ class Compared:
                 evidence.space.product(last.means, last.means) - freedom,
             )
         }
-        shape = evidence.pooled_std.shape
-        n = evidence.pooled_std.size
+        shape = evidence.pooled.std.shape
+        n = evidence.pooled.std.size
         both = [p.rest[:n].reshape(shape) for p in (first, last)]
-        for kind, where in evidence.places.items():
-            used = float(np.isfinite(evidence.pooled_std[:, where]).sum())
+        for kind, where in evidence.pooled.places.items():
+            used = float(np.isfinite(evidence.pooled.std[:, where]).sum())
             energy = [float((each[:, where] ** 2).sum()) - used for each in both]
             found[kind] = (energy[0], energy[1])
         blocks = evidence.n_blocks

@@ -116,7 +116,7 @@ def test_planned_blocks_hold_what_the_baseline_expects_of_recorded_ones() -> Non
     assert both.n_blocks == evidence.n_blocks + len(AGCAM)
     n = evidence.n_blocks
     assert np.allclose(both.baseline.mean_dn[n:], evidence.baseline.mean_dn[: len(AGCAM)])
-    assert np.allclose(both.pooled_std[n:], evidence.pooled_std[: len(AGCAM)], rtol=1e-6)
+    assert np.allclose(both.pooled.std[n:], evidence.pooled.std[: len(AGCAM)], rtol=1e-6)
     observed = both.observed()
     assert np.abs(observed.means[n:]).max() == 0.0
 

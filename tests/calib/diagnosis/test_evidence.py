@@ -27,11 +27,11 @@ def evidence_of_clean(model: Model) -> list[Evidence]:
 def test_what_the_baseline_expects_is_what_clean_recordings_show(sensor: str) -> None:
     """Each statistic's z has mean 0 and standard deviation 1, pooled over blocks and recordings."""
     many = evidence_of_clean(SENSORS[sensor]())
-    for kind in many[0].places:
+    for kind in many[0].pooled.places:
         z = []
         for evidence in many:
-            std = evidence.pooled_std[:, evidence.places[kind]]
-            observed = evidence.observed().pooled[:, evidence.places[kind]]
+            std = evidence.pooled.std[:, evidence.pooled.places[kind]]
+            observed = evidence.observed().pooled[:, evidence.pooled.places[kind]]
             fine = np.isfinite(std) & (std > 0)
             z.append(observed[fine] / std[fine])
         pooled = np.concatenate(z)
@@ -66,8 +66,8 @@ def test_a_scene_of_known_light_is_as_the_baseline_expects_it() -> None:
         evidence = recorded(plain_model(128), blocks, rng, scenes=light)
         assert evidence.baseline.usable[-1].all()
         means.append(evidence.point(evidence.observed()).means[-1])
-        std = evidence.pooled_std[-1, evidence.places["variance"]]
-        observed = evidence.observed().pooled[-1, evidence.places["variance"]]
+        std = evidence.pooled.std[-1, evidence.pooled.places["variance"]]
+        observed = evidence.observed().pooled[-1, evidence.pooled.places["variance"]]
         variances.append(observed / std)
         # No edge is taken for a sample that stands out: one is beyond 7.5 in 10^13 by chance, and
         # beyond 5, as which the scatter of 60 lines may have it, in 10^6.

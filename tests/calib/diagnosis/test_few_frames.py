@@ -54,10 +54,10 @@ def test_statistics_of_few_frames_of_quadrants_scatter_as_expected(
     for seed in range(8):
         found = evidence(quadrants(tmp_path / str(seed), seed, n_frames))
         # By chance alone: what few events may add to fourth moments is allowed for besides.
-        std = np.stack([each.vector() for _, each in found.expected])
+        std = np.stack([each.vector() for _, each in found.pooled.expected])
         used = np.isfinite(std) & (std > 0)
         white = found.observed().pooled / np.where(used, std, 1.0)
-        for kind, where in found.places.items():
+        for kind, where in found.pooled.places.items():
             z.setdefault(kind, []).extend(white[:, where][used[:, where]].tolist())
         assert len(found.sensor.noisy) == 0
     for kind, values in z.items():

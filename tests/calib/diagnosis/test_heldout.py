@@ -44,9 +44,9 @@ def test_what_is_left_out_has_no_weight_and_all_else_keeps_its_own() -> None:
     kept = np.ones(evidence.n_blocks, bool)
     kept[gone] = False
     alone = replace(fold, of_all=None)
-    for one, other in ((fold.pooled_std, alone.pooled_std), (fold.onset_std, alone.onset_std)):
+    for one, other in ((fold.pooled.std, alone.pooled.std), (fold.onset_std, alone.onset_std)):
         assert np.array_equal(one[kept], other[kept])
-    assert np.isinf(fold.pooled_std[gone]).all()
+    assert np.isinf(fold.pooled.std[gone]).all()
     assert np.array_equal(fold.rare_space.weights, alone.rare_space.weights)
 
 

@@ -40,8 +40,8 @@ def test_gain_is_not_taken_for_what_rounding_hides() -> None:
     for seed in range(4):
         found = recorded(agcam(seed), blocks(), np.random.default_rng(seed))
         gains.append(float(found.baseline.gain_dn_per_e[0]))
-        where = found.places["variance"]
-        std = found.pooled_std[:, where]
+        where = found.pooled.places["variance"]
+        std = found.pooled.std[:, where]
         used = np.isfinite(std) & (std > 0)
         misfits += float(np.sum((found.observed().pooled[:, where][used] / std[used]) ** 2))
         free += int(used.sum()) - 2

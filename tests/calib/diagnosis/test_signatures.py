@@ -64,9 +64,9 @@ def test_a_signature_is_what_long_recordings_show(effect: Departure) -> None:
     first, other = replace(plain(), known_peaks=()), with_effect(effect)
     seen = replace(first, sums=other.sums).observed() - first.observed()
     signature = change_of((effect,), first, responder_of(first))
-    std = np.hypot(first.pooled_std, other.pooled_std)
+    std = np.hypot(first.pooled.std, other.pooled.std)
     usable = np.isfinite(std) & (std > 0)
-    for kind, where in first.places.items():
+    for kind, where in first.pooled.places.items():
         fine = usable[:, where]
         if fine.any():
             z = ((seen.pooled - signature.pooled)[:, where] / std[:, where])[fine]

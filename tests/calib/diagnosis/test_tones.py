@@ -29,7 +29,7 @@ def moved(amplitude_dn: float) -> np.ndarray:
     evidence = plain()
     tone = Banding(amplitude_dn, CYCLES / (evidence.table.line_period_us * 1e-6))
     change = change_of((tone,), evidence, responder_of(evidence)).pooled
-    return np.concatenate([change[:, evidence.places[kind]].ravel() for kind in KINDS])
+    return np.concatenate([change[:, evidence.pooled.places[kind]].ravel() for kind in KINDS])
 
 
 def test_a_tones_second_moments_grow_as_its_amplitude_squared() -> None:

@@ -60,9 +60,9 @@ def test_the_step_of_the_darks_is_told_where_it_is(found: Examination) -> None:
 
 def test_neighbours_and_rows_correlate_and_that_is_seen(found: Examination) -> None:
     evidence = found.evidence
-    white = found.model.observed.pooled / evidence.pooled_std
+    white = found.model.observed.pooled / evidence.pooled.std
     for kind in ("columns_1", "rows"):
-        where = evidence.places[kind]
+        where = evidence.pooled.places[kind]
         assert white[0, where].sum() / np.sqrt(4) > 8.0
     rest = found.diagnosis.unexplained
     assert rest is not None

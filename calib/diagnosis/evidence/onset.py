@@ -1,0 +1,38 @@
+"""The first lines of a block: what is left of the block before."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.baseline.baseline import Baseline
+from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.statistics.block_sums import BlockSums
+from calib.diagnosis.statistics.common_noise import CommonNoise
+from calib.diagnosis.statistics.pooled import ONSET_LINES
+
+Floats = NDArray[np.float64]
+
+
+def onset_seen(sums: Sequence[BlockSums]) -> Floats:
+    """Return the first lines' means less those of the later half, DN, (n_blocks, ONSET_LINES)."""
+    onset = np.zeros((len(sums), ONSET_LINES))
+    for b, each in enumerate(sums):
+        line = each.products.line_means.mean(axis=(1, 2))
+        k = min(ONSET_LINES, len(line) // 2)
+        onset[b, :k] = line[:k] - line[len(line) // 2 :].mean()
+    return onset
+
+
+def onset_std(
+    sums: Sequence[BlockSums], baseline: Baseline, sensor: Sensor, common: CommonNoise
+) -> Floats:
+    """Return its standard deviations, (n_blocks, ONSET_LINES); inf: no block before, few lines."""
+    std = np.full((len(sums), ONSET_LINES), np.inf)
+    for b, each in list(enumerate(sums))[1:]:
+        signal = float((baseline.mean_dn[b] - baseline.offset_dn).mean())
+        white = float(baseline.variance_dn2[b].mean()) / sensor.n_pixels
+        shared = common.fixed_dn2 + common.relative * signal**2
+        if each.n_lines >= 2 * ONSET_LINES:
+            std[b] = np.sqrt((white + shared / sensor.n_rows) * (1.0 + 2.0 / each.n_lines))
+    return std
