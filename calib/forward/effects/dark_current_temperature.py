@@ -25,6 +25,12 @@ from calib.recording.header import Block, CameraHeader
 class DarkCurrentTemperature(Departure):
     """Add rate x 2^((T - reference) / doubling) x exposure time to the expected electrons.
 
+    Thermal generation grows as T^n exp(-E / kT), and so doubles every ln 2 k T^2 / (E + n k T):
+    between -30 and 50 degree Celsius every 3 K where diffusion rules in silicon (E = 1.12 eV,
+    n = 3), up to 16 K where generation at half the gap does in InGaAs (0.37 eV, 1.5). What grows
+    more slowly is no thermal dark current. (Sze and Ng, Physics of Semiconductor Devices, sections
+    1.4 and 2.3.)
+
     It is the whole dark current of a sensor whose temperature varies; together with
     `dark_current` the two add, as those of two layers do.
 
@@ -51,7 +57,7 @@ class DarkCurrentTemperature(Departure):
     dsnu_std_e_per_us: float = parameter(0.001, unit="e-/us", low=0.0, high=1e6, neutral=0.0)
     dsnu_seed: int = parameter(0, unit="1", low=0)
     reference_c: float = parameter(25.0, unit="degree Celsius", low=-200.0, high=150.0)
-    doubling_k: float = parameter(7.0, unit="K", low=1.0, high=50.0)
+    doubling_k: float = parameter(7.0, unit="K", low=3.0, high=16.0)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """Expected electrons in and out, (n_lines, *sample)."""

@@ -15,6 +15,7 @@ from calib.forward.effects.offset import Offset
 from calib.forward.effects.responsivity import Responsivity
 from calib.forward.effects.system_gain import SystemGain
 from calib.forward.effects.vignette import Vignette
+from calib.forward.parameter import parameters_of
 
 RNG = np.random.default_rng(0)
 
@@ -84,6 +85,18 @@ def test_dark_current_doubles_with_the_doubling_temperature() -> None:
     dark = DarkCurrentTemperature(reference_c=20.0, doubling_k=7.0)
     cold, warm = dark.rates(64, 20.0), dark.rates(64, 34.0)
     assert np.allclose(warm, 4 * cold)
+
+
+def test_dark_current_may_double_as_semiconductors_do_and_no_more_slowly() -> None:
+    boltzmann_ev, doubling = 8.617e-5, []
+    for energy_ev, power in ((1.12, 3.0), (0.56, 1.5), (0.365, 1.5)):
+        for kelvin in (243.0, 323.0):
+            thermal_ev = boltzmann_ev * kelvin
+            doubling.append(np.log(2.0) * thermal_ev * kelvin / (energy_ev + power * thermal_ev))
+    told = parameters_of(DarkCurrentTemperature)["doubling_k"]
+    # The bounds are round numbers.
+    assert told.low == pytest.approx(min(doubling), abs=0.5)
+    assert told.high == pytest.approx(max(doubling), abs=1.0)
 
 
 def test_camera_gain_is_an_amplitude_ratio_and_taps_have_their_own() -> None:
