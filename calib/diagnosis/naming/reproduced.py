@@ -10,14 +10,25 @@ from calib.diagnosis.statistics.noisy import NOISY_SIGMA, few
 Floats = NDArray[np.float64]
 
 
-def reproduced(one: Change, other: Change, evidence: Evidence, *, exact: bool) -> Change:
-    """Return the mean of two draws, each part of it shrunk by how badly the other repeats it."""
+def reproduced(
+    one: Change, other: Change, evidence: Evidence, moved_dn: Floats, *, exact: bool
+) -> Change:
+    """Return the mean of two draws, each part of it shrunk by how badly the other repeats it.
+
+    Args:
+        one: A draw.
+        other: Another.
+        evidence: The recording.
+        moved_dn: What the links' own means have moved by, (n_blocks, n_pixels): no chance has a
+            part in it, and pixels absorb it, each as it is.
+        exact: Whether means are alike in both.
+    """
     half = (one + other) * 0.5
     signal = (evidence.baseline.mean_dn - evidence.baseline.offset_dn).reshape(one.means.shape)
     means = one.means
     if not exact:
-        smooth = [_along_profile(_of_quiet(each, evidence), signal) for each in (one, other)]
-        means = _shrunk(smooth[0], smooth[1])
+        added = (_of_quiet(each, evidence, moved_dn) for each in (one, other))
+        means = moved_dn + _shrunk(*(_along_profile(each, signal) for each in added))
     white = [evidence.pooled.over_std(c.pooled) for c in (one, other)]
     pooled = half.pooled.copy()
     for where in evidence.pooled.places.values():
@@ -29,12 +40,12 @@ def reproduced(one: Change, other: Change, evidence: Evidence, *, exact: bool) -
     )  # fmt: skip
 
 
-def _of_quiet(change: Change, evidence: Evidence) -> Floats:
-    """Return the change of means, but of pixels that would be left out for their noise."""
+def _of_quiet(change: Change, evidence: Evidence, moved_dn: Floats) -> Floats:
+    """Return what is added to the means, but of pixels that would be left out for their noise."""
     z = change.pixel_variance * np.sqrt((evidence.n - 1).sum() / 2.0)
     misfit = evidence.misfit(change.means, observed=False)
     noisy = few(np.flatnonzero((z > NOISY_SIGMA) | (misfit > NOISY_SIGMA)), len(z))
-    means = change.means.copy()
+    means = change.means - moved_dn
     means[:, noisy] = 0.0
     return means
 

@@ -192,7 +192,8 @@ def _simulated(
     others = effects if coded else tuple(_other_pattern(effect) for effect in effects)
     if not once and any(needs_two_draws(effect, responder) for effect in effects):
         exact = not any(e.stochastic or _other_pattern(e) != e for e in effects)
-        first = reproduced(first, responder.change(others, draw=1), evidence, exact=exact)
+        second, moved = responder.change(others, draw=1), responder.moved_dn
+        first = reproduced(first, second, evidence, moved, exact=exact)
         if others == effects and not coded:
             # Events of single lines are no property of a pixel, however few lines are drawn.
             nothing = np.zeros_like(first.pixel_misfit)

@@ -172,6 +172,15 @@ class Responder:
         return self._plain[draw, coded]
 
     @cached_property
+    def moved_dn(self) -> Floats:
+        """What the links' means have moved by from what is compared with, (n_blocks, n_pixels)."""
+        base = self.chain.baseline
+        moved = base.offset_dn + base.slope * base.dose - base.mean_dn
+        return (
+            moved.reshape(len(moved), -1) if self.plain else np.zeros((len(moved), moved[0].size))
+        )
+
+    @cached_property
     def known(self) -> KnownChanges:
         """What was simulated about this baseline, and about those that follow from it."""
         return KnownChanges() if self.plain is None else self.plain.known

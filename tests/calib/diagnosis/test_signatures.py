@@ -14,7 +14,9 @@ from calib.diagnosis.naming.signatures import change_of
 from calib.forward.departure import Departure
 from calib.forward.effects.brighter_fatter import BrighterFatter
 from calib.forward.effects.cti import Cti
+from calib.forward.effects.dark_current import DarkCurrent
 from calib.forward.effects.exposure_jitter import ExposureJitter
+from calib.forward.effects.heavy_tailed_noise import HeavyTailedNoise
 from calib.forward.effects.interpixel_capacitance import InterpixelCapacitance
 from calib.forward.effects.lag import Lag
 from calib.forward.effects.line_noise import LineNoise
@@ -83,3 +85,19 @@ def test_a_signature_is_what_long_recordings_show(effect: Departure) -> None:
     own = (missed - missed.mean(axis=2, keepdims=True)).reshape(len(white), -1)
     z = first.space.project(own) / np.sqrt(2.0)
     assert (z**2).sum() < chi2.isf(1e-6, first.space.degrees_of_freedom)
+
+
+@pytest.mark.parametrize(
+    "effect", [DarkCurrent(0.02, 0.01, dsnu_seed=3), HeavyTailedNoise(0.01)], ids=lambda e: e.name
+)
+def test_where_links_have_moved_their_means_move_along_pixel_by_pixel(effect: Departure) -> None:
+    evidence = plain()
+    responder, base = responder_of(evidence), evidence.baseline
+    moved_dn = default_rng().normal(0.2, 0.1, base.offset_dn.shape)
+    moved = replace(base, offset_dn=base.offset_dn + moved_dn)
+    before = change_of((effect,), evidence, responder).means
+    after = change_of((effect,), evidence, responder.about(moved)).means
+    # Neither effect hangs on the offset: all that is left is arithmetic.
+    np.testing.assert_allclose(
+        after - before, np.tile(moved_dn.ravel(), (len(after), 1)), atol=1e-6
+    )
