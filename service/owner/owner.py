@@ -1,18 +1,14 @@
 """The process that owns the bench, seen from the service."""
 
 import itertools
-import logging
-import multiprocessing
 import threading
 from collections.abc import Callable
-from contextlib import suppress
-from multiprocessing.connection import Connection
 from typing import Literal
 
 from calib.errors import DarkflatError
 from drivers.errors import DeviceError
 from service.bench.settings import BenchSettings
-from service.owner.bench_process import serve_bench
+from service.owner.child import Child
 from service.owner.messages import (
     DIED,
     Abort,
@@ -20,7 +16,6 @@ from service.owner.messages import (
     BenchLook,
     Command,
     Ended,
-    Leave,
     Look,
     Measure,
     Opened,
@@ -31,8 +26,6 @@ from service.owner.messages import (
     SafeOff,
     Trouble,
 )
-
-_LOG = logging.getLogger(__name__)
 
 OwnerState = Literal["opening", "idle", "busy", "closed"]
 _ANSWER_S = 20.0
@@ -45,14 +38,12 @@ class BenchOwner:
     Attributes:
         trouble: Why the bench cannot be used; None where it can.
         look: How it was when last asked; None before it was open.
-        pid: Of the process that was started last.
     """
 
     def __init__(self, settings: BenchSettings, listener: Callable[[Report], None]) -> None:
         """`listener` is told every report but answers, in a thread of the owner's."""
         self.bench_id = settings.id
         self.trouble: Trouble | None = None
-        self.pid: int | None = None
         self.look: BenchLook | None = None
         self._settings = settings
         self._listener = listener
@@ -62,12 +53,18 @@ class BenchOwner:
         self._changed = threading.Condition(self._lock)
         self._state: OwnerState = "closed"
         self._running = ""
-        self._pipe: Connection | None = None
+        self._child: Child | None = None
 
     @property
     def state(self) -> OwnerState:
         """What the process does."""
         return self._state
+
+    @property
+    def pid(self) -> int | None:
+        """Of the process; None where none was started."""
+        child = self._child
+        return None if child is None else child.pid
 
     def check_reachable(self) -> None:
         """Raise the trouble, or DeviceError `bench-not-ready`, where the bench is not open."""
@@ -79,18 +76,8 @@ class BenchOwner:
         with self._lock:
             if self._state != "closed":
                 return
+            self._child = Child(self._settings, self._take, self._ended)
             self._state, self.trouble = "opening", None
-            context = multiprocessing.get_context("spawn")  # forking a threaded server deadlocks
-            self._pipe, theirs = context.Pipe()
-            process = context.Process(
-                target=serve_bench, args=(self._settings, theirs), name="darkflat-bench"
-            )
-            process.start()
-            theirs.close()
-            self._process, self.pid = process, process.pid
-        threading.Thread(
-            target=self._listen, args=(self._pipe,), name="darkflat-bench-reports", daemon=True
-        ).start()
 
     def measure(self, wanted: Measure) -> None:
         """Begin a run; DeviceError `bench-not-ready` where the bench is not idle."""
@@ -123,16 +110,9 @@ class BenchOwner:
     def close(self) -> None:
         """End the run and the process; the lamps are off then. Safe to call twice."""
         with self._lock:
-            pipe, self._pipe = self._pipe, None
-            if pipe is None:
-                return
-            with suppress(OSError):  # it has ended by itself
-                pipe.send(Leave())
-        self._process.join(_CLOSE_S)
-        if self._process.is_alive():
-            _LOG.error("the bench's process does not end; it is killed, look at the lamps")
-            self._process.kill()
-            self._process.join()
+            child, self._child = self._child, None
+        if child is not None:
+            child.end(_CLOSE_S)
 
     def _ask(self, question: SafeOff | Look) -> BenchLook:
         self._send(question)
@@ -152,10 +132,10 @@ class BenchOwner:
 
     def _send(self, command: Command) -> None:
         with self._lock:
-            if self._pipe is None or self._state in {"opening", "closed"}:
+            if self._child is None or self._state in {"opening", "closed"}:
                 raise self._not_ready()
             try:
-                self._pipe.send(command)
+                self._child.send(command)
             except OSError as error:
                 raise DIED.error() from error
 
@@ -168,17 +148,10 @@ class BenchOwner:
             code="bench-not-ready",
         )
 
-    def _listen(self, pipe: Connection) -> None:
-        while True:
-            try:
-                report: Report = pipe.recv()
-            except (EOFError, OSError):
-                break
-            self._take(report)
-        self._process.join()
+    def _ended(self) -> None:
         with self._changed:
             running, self._running = self._running, ""
-            if self.trouble is None and self._pipe is not None:
+            if self.trouble is None and self._child is not None:
                 self.trouble = DIED
             self._state = "closed"
             self._changed.notify_all()

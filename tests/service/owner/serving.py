@@ -28,7 +28,7 @@ def main() -> None:
     owner.open()
     while owner.state != "idle":
         time.sleep(0.02)
-    print(owner._process.pid, flush=True)  # noqa: T201
+    print(owner.pid, flush=True)  # noqa: T201
     owner.measure(Measure("r", slow_plan().model_dump(mode="json"), Path(out)))
     sys.stdin.read()
 

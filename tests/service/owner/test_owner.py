@@ -153,7 +153,8 @@ def test_a_process_that_is_killed_ends_its_run_and_opened_again_the_lamps_are_of
 ) -> None:
     measure(owner, tmp_path / "a.h5", slow_plan())
     heard.until(lambda r: isinstance(r, Said) and "steady" in r.progress.doing)
-    os.kill(owner._process.pid, signal.SIGKILL)  # type: ignore[arg-type]
+    assert owner.pid is not None
+    os.kill(owner.pid, signal.SIGKILL)
     trouble = heard.ended("r").trouble
     assert trouble is not None
     assert trouble.code == "bench-process-died"
@@ -163,6 +164,34 @@ def test_a_process_that_is_killed_ends_its_run_and_opened_again_the_lamps_are_of
     owner.open()
     heard.until(lambda _: True)
     assert owner.look_now().devices[1].values["level"] == 0.0
+
+
+def test_closed_it_has_heard_the_end_of_its_run_and_of_its_process(
+    owner: BenchOwner, heard: Heard, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    measure(owner, tmp_path / "a.h5", slow_plan())
+    heard.until(lambda r: isinstance(r, Said) and "steady" in r.progress.doing)
+    pid = owner.pid
+    owner.close()
+    assert owner.state == "closed"
+    assert [r.run_id for r in heard.reports if isinstance(r, Ended)] == ["r"]
+    assert not Path(f"/proc/{pid}").exists()
+    assert "killed" not in caplog.text
+
+
+def test_a_process_that_does_not_end_is_killed_and_one_that_has_ended_is_not(
+    owner: BenchOwner, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("service.owner.owner._CLOSE_S", 0.2)
+    pid = owner.pid
+    assert pid is not None
+    os.kill(pid, signal.SIGSTOP)
+    owner.close()
+    assert not Path(f"/proc/{pid}").exists()
+    assert owner.state == "closed"
+    assert caplog.text.count("it is killed") == 1
+    owner.close()
+    assert caplog.text.count("it is killed") == 1
 
 
 def test_where_the_service_is_killed_the_lamps_go_off_by_themselves(tmp_path: Path) -> None:
