@@ -163,7 +163,7 @@ class LightSource(Protocol):
         ...
 
     def state(self) -> LightState:
-        """Read every lamp back."""
+        """Read every lamp back; DeviceError `switched-off` where an order to go off ends it."""
         ...
 
     def order_off(self) -> None:

@@ -1,15 +1,15 @@
 """A sphere with lamps, one current-regulated GEN power supply for each; level n burns n lamps."""
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from pathlib import Path
-from threading import Event, Lock
+from threading import Lock
 from time import monotonic
 
 from drivers.errors import DeviceError
 from drivers.ports import Cancelled, DeviceIdentity, LampState, LightState, never
 from drivers.serial.gen_lamp import GenLamp, LampRating
-from drivers.serial.gen_off import read_back_off
+from drivers.serial.gen_off import OffReadBack
+from drivers.serial.gen_orders import OffOrders
 from drivers.serial.gen_units import GenUnits, UnitReading
 from drivers.serial.lamp_hours import LampHours
 from drivers.serial.levels import whole_level
@@ -31,8 +31,8 @@ class GenLamps:
         self._rating = rating
         self._hours = hours
         self._ramping = Lock()
-        self._off_orders = 0  # a ramp that finds it changed stops
-        self._ordered_off = Event()
+        self._orders = OffOrders(units.link)
+        self._off = OffReadBack(units, self._lamps)
 
     @classmethod
     def open(
@@ -46,8 +46,11 @@ class GenLamps:
         timeout_s: float = 1.0,
         address_settle_s: float = 0.1,
         name: str = "lamps",
+        dark: bool = False,
     ) -> "GenLamps":
         """Find the supply of each lamp, lamp 1 first; leave their outputs as they are.
+
+        Where `dark`, all are told to go off first: to find each takes time, and may fail.
 
         Raises:
             DeviceNotFoundError: No such port, or a supply that does not answer.
@@ -57,6 +60,8 @@ class GenLamps:
         hours = LampHours(hours_path, range(1, len(addresses) + 1))
         link = SerialLink(PortSettings(port, name, baudrate), end="\r", timeout_s=timeout_s)
         try:
+            if dark:
+                link.interject("\rGOUT OFF")  # first the end of what a dead program left half sent
             units = GenUnits(link, address_settle_s=address_settle_s)
             found = [units.find(lamp, address) for lamp, address in enumerate(addresses, start=1)]
             for unit in found:
@@ -71,9 +76,8 @@ class GenLamps:
         """Of the first supply."""
         unit = self._lamps[0].unit
         vendor, _, model = unit.model.partition(",")
-        return DeviceIdentity(
-            vendor, model, unit.serial, address=self._units.link.port.settings.address
-        )
+        address = self._units.link.port.settings.address
+        return DeviceIdentity(vendor, model, unit.serial, address=address)
 
     @property
     def max_level(self) -> float:
@@ -94,15 +98,12 @@ class GenLamps:
         """
         burning = whole_level(level, len(self._lamps), self._units.link.device)
         with self._ramping:
-            with self._units.link.lock:
-                order = self._off_orders
-                self._ordered_off.clear()
+            order = self._orders.begin()
             try:
                 for lamp in self._lamps:
-                    if not lamp.ramp(
-                        burn=lamp.unit.lamp <= burning, step=self._step(order, cancelled)
-                    ):
-                        return self.state()
+                    burn = lamp.unit.lamp <= burning
+                    if not lamp.ramp(burn=burn, step=self._step(order, cancelled)):
+                        return self._state(self._read(order))
                 return self._settled(burning, order)
             except DeviceError as error:
                 if error.code != "switched-off":
@@ -110,15 +111,15 @@ class GenLamps:
                 raise
 
     def state(self) -> LightState:
-        """Read every lamp back; `level` is the number that burn at their nominal current."""
-        return self._state([lamp.read() for lamp in self._lamps])
+        """Read every lamp back; `level` is the number that burn at their nominal current.
+
+        Raises DeviceError `switched-off` when `off` came between: it does not wait for the rest.
+        """
+        return self._state(self._read(self._orders.count))
 
     def order_off(self) -> None:
         """Send the group command, whoever uses the line."""
-        self._off_orders += 1
-        self._ordered_off.set()
-        with suppress(DeviceError):  # it is sent again, with the lock held, and read back
-            self._units.link.interject("GOUT OFF")
+        self._orders.give()
 
     def off(self) -> LightState:
         """Switch all supplies off by the group command at once, and read each one back.
@@ -127,7 +128,7 @@ class GenLamps:
         of the line's class (DeviceLostError, ...) where that alone is at fault.
         """
         self.order_off()
-        return self._state(read_back_off(self._units, self._lamps))
+        return self._state(self._off.readings())
 
     def close(self) -> None:
         """Release the line; the lamps stay as they are. Safe to call twice."""
@@ -141,28 +142,27 @@ class GenLamps:
             if cancelled():
                 return False
             with self._units.link.lock:
-                self._still_ordered(order)
+                self._orders.check(order)
+                self._off.forget()
                 command()
-            self._ordered_off.wait(self._rating.ramp_step_s)
+            self._orders.wait(self._rating.ramp_step_s)
             return True
 
         return step
 
-    def _still_ordered(self, order: int) -> None:
-        if self._off_orders != order:
-            device = self._units.link.device
-            raise DeviceError(
-                f"{device}: switched off while the lamps were being set",
-                device=device,
-                code="switched-off",
-            )
+    def _read(self, order: int) -> list[UnitReading]:
+        readings: list[UnitReading] = []
+        for lamp in self._lamps:
+            self._orders.check(order)
+            readings.append(lamp.read())
+        self._orders.check(order)
+        return readings
 
     def _settled(self, burning: int, order: int) -> LightState:
         """Read back until every lamp burns as it should, or raise what is wrong with the first."""
         deadline = monotonic() + self._rating.settle_s
         while True:
-            readings = [lamp.read() for lamp in self._lamps]
-            self._still_ordered(order)
+            readings = self._read(order)
             problems = [
                 problem
                 for lamp, reading in zip(self._lamps, readings, strict=True)
@@ -173,7 +173,7 @@ class GenLamps:
             if monotonic() > deadline:
                 self._state(readings)
                 raise problems[0]
-            self._ordered_off.wait(_SETTLE_POLL_S)
+            self._orders.wait(_SETTLE_POLL_S)
 
     def _off_after(self, error: DeviceError) -> None:
         """Leave nothing lit behind `error`; note on it what could not be read back as off."""
@@ -184,16 +184,16 @@ class GenLamps:
 
     def _state(self, readings: Sequence[UnitReading]) -> LightState:
         """Count the hours, and say what burns."""
-        lamps = []
-        for lamp, reading in zip(self._lamps, readings, strict=True):
-            self._hours.seen(lamp.unit.lamp, burning=reading.output_on)
-            lamps.append(
-                LampState(
-                    on=reading.output_on,
-                    current_a=reading.current_a,
-                    voltage_v=reading.voltage_v,
-                    hours=self._hours.hours(lamp.unit.lamp),
-                )
+        pairs = tuple(zip(self._lamps, readings, strict=True))
+        self._hours.seen({lamp.unit.lamp: reading.output_on for lamp, reading in pairs})
+        lamps = [
+            LampState(
+                on=reading.output_on,
+                current_a=reading.current_a,
+                voltage_v=reading.voltage_v,
+                hours=self._hours.hours(lamp.unit.lamp),
             )
+            for lamp, reading in pairs
+        ]
         level = sum(map(GenLamp.burns, self._lamps, readings))
         return LightState(level=float(level), lamps=tuple(lamps))

@@ -134,8 +134,8 @@ class GenUnits:
         """Read `unit` back."""
         with self.link.lock:
             return UnitReading(
-                output_on=self.output_on(unit),
-                mode=self._choice(unit, "MODE?", ("CC", "CV", "OFF")),
+                output_on=(on := self.output_on(unit)),
+                mode=self._choice(unit, "MODE?", ("CC", "CV", "OFF")) if on else "OFF",
                 current_a=self.number(unit, "MC?"),
                 voltage_v=self.number(unit, "MV?"),
                 faults=self._faults(unit),

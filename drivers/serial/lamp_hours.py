@@ -7,8 +7,9 @@ so many hours. They are therefore counted, and survive the program.
 import json
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from threading import RLock
 
 from calib.errors import InputError
 
@@ -20,7 +21,7 @@ class LampHours:
     """Counts while lamps are seen burning; saves at every change and once a minute.
 
     A program that is killed loses at most the last minute. A new lamp: set its hours to 0 in the
-    file, `{"1": 12.5, "2": 0.0}`, lamp number to hours.
+    file, `{"1": 12.5, "2": 0.0}`, lamp number to hours. Thread-safe.
     """
 
     def __init__(
@@ -32,6 +33,7 @@ class LampHours:
         """
         self._path = path
         self._clock = clock
+        self._lock = RLock()
         self._hours = dict.fromkeys(lamps, 0.0) | _read(path)
         self._burning_since: dict[int, float] = {}
         self._saved_at = clock()
@@ -42,29 +44,33 @@ class LampHours:
         running_s = 0.0 if since is None else self._clock() - since
         return self._hours.get(lamp, 0.0) + running_s / _S_PER_HOUR
 
-    def seen(self, lamp: int, *, burning: bool) -> None:
-        """Note whether `lamp` burns now."""
-        changed = burning != (lamp in self._burning_since)
-        self._hours[lamp] = self.hours(lamp)
-        if burning:
-            self._burning_since[lamp] = self._clock()
-        else:
-            self._burning_since.pop(lamp, None)
-        if changed or self._clock() - self._saved_at >= _SAVED_EVERY_S:
-            self.save()
+    def seen(self, burning: Mapping[int, bool]) -> None:
+        """Note which lamps burn now: number to whether it does."""
+        with self._lock:
+            before = set(self._burning_since)
+            for lamp, burns in burning.items():
+                self._hours[lamp] = self.hours(lamp)
+                if burns:
+                    self._burning_since[lamp] = self._clock()
+                else:
+                    self._burning_since.pop(lamp, None)
+            changed = before != set(self._burning_since)
+            if changed or self._clock() - self._saved_at >= _SAVED_EVERY_S:
+                self.save()
 
     def save(self) -> None:
         """Write the file whole or not at all."""
-        self._saved_at = self._clock()
-        if self._path is None:
-            return
-        text = json.dumps({str(lamp): self.hours(lamp) for lamp in sorted(self._hours)}, indent=1)
-        part = self._path.with_name(f".{self._path.name}.{os.getpid()}")
-        with part.open("w") as file:
-            file.write(text + "\n")
-            file.flush()
-            os.fsync(file.fileno())
-        part.replace(self._path)
+        with self._lock:
+            self._saved_at = self._clock()
+            if self._path is None:
+                return
+            hours = {str(lamp): self.hours(lamp) for lamp in sorted(self._hours)}
+            part = self._path.with_name(f".{self._path.name}.{os.getpid()}")
+            with part.open("w") as file:
+                file.write(json.dumps(hours, indent=1) + "\n")
+                file.flush()
+                os.fsync(file.fileno())
+            part.replace(self._path)
 
 
 def _read(path: Path | None) -> dict[int, float]:

@@ -19,7 +19,8 @@ from drivers.errors import (
 from drivers.mock.emulators.fault_commands import inject
 from drivers.mock.world import World
 from drivers.serial.gen import GenLamps
-from drivers.serial.gen_lamp import LampRating
+from drivers.serial.gen_lamp import GenLamp, LampRating
+from drivers.serial.gen_units import UnitReading
 from tests.contracts.light import LightContract
 from tests.drivers.serial.conftest import (
     LATE_S,
@@ -105,6 +106,27 @@ def test_opening_and_closing_leave_the_lamps_as_they_are(opened: Opened, world: 
     reopened = opened.lamps()
     assert reopened.state().level == 2
     assert world.state().lamps[1].target == pytest.approx(1.0)
+
+
+def test_opened_dark_even_those_go_off_whose_neighbour_does_not_answer(
+    opened: Opened, world: World
+) -> None:
+    light = opened.lamps()
+    light.set_level(2)
+    light._units.link.port.write(b"PC 1.")  # what a killed program leaves half said
+    opened.closing.close()
+    with pytest.raises(DeviceNotFoundError, match="address 9"):
+        GenLamps.open(
+            opened.port("lamps"),
+            addresses=[9, 1],
+            rating=RATING,
+            baudrate=115200,
+            timeout_s=0.2,
+            address_settle_s=SETTLE_S,
+            dark=True,
+        )
+    assert [lamp.target for lamp in world.state().lamps[:3]] == [0.0] * 3
+    assert opened.lamps().state().level == 0
 
 
 def test_part_of_a_lamp_is_refused(light: GenLamps) -> None:
@@ -323,6 +345,53 @@ def test_off_does_not_wait_for_the_ramp(opened: Opened, world: World) -> None:
     assert outcome[0].code == "switched-off"
     assert light.state().level == 0
     assert all(lamp.target == 0 for lamp in world.state().lamps)
+
+
+def test_an_order_to_go_off_ends_the_reading_of_all_lamps(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    light = opened.lamps()
+    light.set_level(3)
+    read, asked = GenLamp.read, []
+
+    def then_off(lamp: GenLamp) -> UnitReading:
+        asked.append(lamp.unit.lamp)
+        reading = read(lamp)
+        light.order_off()
+        return reading
+
+    monkeypatch.setattr(GenLamp, "read", then_off)
+    with pytest.raises(DeviceError) as caught:
+        light.state()
+    assert caught.value.code == "switched-off"
+    assert asked == [1]
+
+
+def test_of_two_who_switch_off_at_once_one_reads_back_for_both(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    light = opened.lamps()
+    light.set_level(3)
+    read, asked, levels = GenLamp.read, [], []
+    second = threading.Thread(target=lambda: levels.append(light.off().level))
+
+    def read_while_another_waits(lamp: GenLamp) -> UnitReading:
+        asked.append(lamp.unit.lamp)
+        if second.ident is None:
+            orders = light._orders.count
+            second.start()
+            while light._orders.count == orders:
+                time.sleep(0.001)
+            time.sleep(0.05)  # on its way to the line's lock, which this thread holds
+        return read(lamp)
+
+    monkeypatch.setattr(GenLamp, "read", read_while_another_waits)
+    assert light.off().level == 0
+    second.join(10)
+    assert levels == [0]
+    assert asked == [1, 2, 3]
+    assert light.off().level == 0  # later than that: asked anew
+    assert asked == [1, 2, 3] * 2
 
 
 def _fails(call: Callable[[], object]) -> None:

@@ -25,10 +25,10 @@ def clock() -> Clock:
 
 def test_counts_only_while_burning(clock: Clock) -> None:
     hours = LampHours(None, range(1, 3), clock=clock)
-    hours.seen(1, burning=True)
+    hours.seen({1: True})
     clock.now_s += 1800
     assert hours.hours(1) == pytest.approx(0.5)
-    hours.seen(1, burning=False)
+    hours.seen({1: False})
     clock.now_s += 3600
     assert hours.hours(1) == pytest.approx(0.5)
     assert hours.hours(2) == 0
@@ -38,21 +38,21 @@ def test_goes_on_from_the_file(tmp_path: Path, clock: Clock) -> None:
     path = tmp_path / "hours.json"
     path.write_text('{"1": 12.5, "7": 3.0}')
     hours = LampHours(path, range(1, 3), clock=clock)
-    hours.seen(1, burning=True)
+    hours.seen({1: True})
     clock.now_s += 7200
-    hours.seen(1, burning=False)
+    hours.seen({1: False})
     assert json.loads(path.read_text()) == {"1": 14.5, "2": 0.0, "7": 3.0}
 
 
 def test_saves_once_a_minute_while_nothing_changes(tmp_path: Path, clock: Clock) -> None:
     path = tmp_path / "hours.json"
     hours = LampHours(path, range(1, 2), clock=clock)
-    hours.seen(1, burning=True)
+    hours.seen({1: True})
     clock.now_s += 59
-    hours.seen(1, burning=True)
+    hours.seen({1: True})
     assert json.loads(path.read_text())["1"] == 0
     clock.now_s += 2
-    hours.seen(1, burning=True)
+    hours.seen({1: True})
     assert json.loads(path.read_text())["1"] == pytest.approx(61 / 3600)
 
 
@@ -70,7 +70,7 @@ def test_interrupted_save_leaves_the_old_file(
     monkeypatch.setattr(os, "fsync", full)
     clock.now_s += 3600
     with pytest.raises(OSError, match="no space"):
-        hours.seen(1, burning=True)
+        hours.seen({1: True})
     assert path.read_text() == before
 
 
