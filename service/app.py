@@ -34,6 +34,7 @@ from service.api.openapi import describe_api
 from service.api.problems import add_problem_handlers
 from service.api.security_headers import SecurityHeaders
 from service.bench.settings import BenchSettings
+from service.owner.owner import BenchOwner
 from service.plan.model import Plan
 from service.runs.keeper import RunKeeper
 from service.settings import Settings
@@ -62,6 +63,7 @@ def create_app(
     settings: Settings | None = None,
     *,
     bench_settings: BenchSettings | None = None,
+    owner: BenchOwner | None = None,
     page: bool = False,
 ) -> FastAPI:
     """Return the service; nothing is opened before it is started.
@@ -69,13 +71,17 @@ def create_app(
     Args:
         settings: Those of the environment where None.
         bench_settings: The bench that it owns; None: it has none, and keeps and calculates only.
+        owner: Of the bench, where that is being opened already; it ends with the app.
         page: Whether browsers are served too; one app of a process can.
     """
     known = settings or Settings.load()
 
+    def bench_owner() -> BenchOwner | None:
+        return owner or (None if bench_settings is None else BenchOwner(bench_settings))
+
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        parts = await run_in_threadpool(_open, known, bench_settings)
+        parts = await run_in_threadpool(_open, known, bench_owner())
         app.state.parts = parts
         try:
             yield
@@ -113,15 +119,15 @@ def _watched(app: FastAPI) -> tuple[Store, RunKeeper | None] | None:
     return None if opened is None else (opened.store, opened.keeper)
 
 
-def _open(settings: Settings, bench_settings: BenchSettings | None) -> Parts:
+def _open(settings: Settings, owner: BenchOwner | None) -> Parts:
     store = Store.open(settings)
     settings.work_folder.mkdir(parents=True, exist_ok=True)
     clear_scratch(settings)
     runner = JobRunner(store, JobFiles(settings.jobs_folder), max_waiting=settings.max_queued_jobs)
     runner.start()
     keeper = None
-    if bench_settings is not None:
-        keeper = RunKeeper(store, bench_settings, settings.runs_folder)
+    if owner is not None:
+        keeper = RunKeeper(store, owner, settings.runs_folder)
         keeper.start()
     return Parts(settings, store, runner, keeper)
 

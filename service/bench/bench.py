@@ -30,7 +30,6 @@ class Bench:
         is_area: Whether the camera exposes whole frames; None until somebody has asked it.
         camera_band: The spectral band of the camera, where the bench file's model says so.
         simulated: What stands in for hardware, and injects its faults; None on real hardware.
-        last_off: What `safe_off` read back when it was last called; None before.
     """
 
     def __init__(
@@ -60,7 +59,6 @@ class Bench:
         self.is_area: bool | None = None
         self.camera_band = camera_band
         self.simulated = simulated
-        self.last_off: LightState | None = None
         self._resources = ExitStack()
         self._afterwards = ExitStack()
         self._is_open = True
@@ -95,8 +93,7 @@ class Bench:
             DeviceError: With code `lamps-not-off`; says what has to be switched off by hand.
         """
         with shielded():
-            self.last_off = all_off(self.light)
-            return self.last_off
+            return all_off(self.light)
 
     def close(self) -> None:
         """Switch the lamps off, read them back, release every device. Safe to call twice.

@@ -7,7 +7,6 @@ from typing import Any
 from pydantic import Field, ValidationError, model_validator
 
 from calib.errors import InputError, reason_of
-from calib.forward.model_file import is_preset_name
 from service.bench.camera_settings import AravisCameraPart, CameraPart
 from service.bench.light_settings import GenLightPart, LightPart, MightexLightPart
 from service.bench.monitor_settings import KeithleyMonitorPart, MonitorPart, NoMonitorPart
@@ -130,6 +129,8 @@ class BenchSettings(BenchPart):
 
 
 def _beside(simulation: Simulation, folder: Path) -> Simulation:
+    from calib.forward.model_file import is_preset_name  # noqa: PLC0415  (brings every effect)
+
     changed: dict[str, Any] = {}
     if not is_preset_name(simulation.model):
         changed["model"] = str(folder / simulation.model)

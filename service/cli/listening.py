@@ -1,7 +1,6 @@
 """One server in one process, until somebody stops it."""
 
 import ipaddress
-import os
 import socket
 
 import uvicorn
@@ -9,7 +8,7 @@ from fastapi import FastAPI
 
 from calib.errors import InputError
 from service.cli.stopping import StoppedError
-from service.watching.log import ENVIRONMENT, LogForm, Subject, log_config
+from service.watching.log import LogForm, Subject, log_config
 
 
 def listen(host: str, port: int, *, has_keys: bool = False) -> socket.socket:
@@ -49,7 +48,6 @@ def is_loopback(host: str) -> bool:
 
 def serve_until_stopped(app: FastAPI, listening: socket.socket, log: LogForm = "text") -> None:
     """Serve `app`; a signal ends it after the answers that are under way."""
-    os.environ[ENVIRONMENT] = log  # what it starts logs alike
     config = uvicorn.Config(
         app,
         log_config=log_config(log, Subject()),

@@ -1,6 +1,7 @@
-"""Asks every device of a bench how it is; a device that fails does not silence the others."""
+"""Asks every device of a bench how it is; one that fails or is slow does not hold up the others."""
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 
 from calib.errors import DarkflatError
 from drivers.ports import LightState
@@ -11,32 +12,32 @@ from service.owner.messages import BenchLook, DeviceLook, Trouble
 Values = dict[str, float | str | bool | None]
 
 
-def look_at(
-    bench: Bench, *, switching_off: bool = False, light_is: LightState | None = None
-) -> BenchLook:
-    """Return how every device is, read back now.
+def look_at(bench: Bench, *, switching_off: bool = False) -> BenchLook:
+    """Return how every device is, read back now, each over its own line at the same time.
 
     Args:
         bench: Open.
         switching_off: Whether the light is switched off before it is read.
-        light_is: What was read back of the light just now; then it is not asked once more.
     """
 
     def light() -> Values:
-        if light_is is not None:
-            return _of_light(light_is)
         return _of_light(all_off(bench.light) if switching_off else bench.light.state())
 
     def monitor() -> Values:
         return {} if bench.monitor is None else {"current_a": bench.monitor.read().current_a}
 
-    looks = [
-        _looked("camera", bench.camera, lambda: {"temperature_c": bench.camera.temperature_c()}),
-        _looked("light", bench.light, light),
-        _looked("shutter", bench.shutter, dict),
+    def camera() -> Values:
+        return {"temperature_c": bench.camera.temperature_c()}
+
+    questions: list[tuple[str, object, Callable[[], Values]]] = [
+        ("camera", bench.camera, camera),
+        ("light", bench.light, light),
+        ("shutter", bench.shutter, dict),
     ]
     if bench.monitor is not None:
-        looks.append(_looked("monitor", bench.monitor, monitor))
+        questions.append(("monitor", bench.monitor, monitor))
+    with ThreadPoolExecutor(len(questions), "darkflat-bench-look") as asking:
+        looks = asking.map(_looked, *zip(*questions, strict=True))
     return BenchLook(bench.id, tuple(looks))
 
 

@@ -106,6 +106,13 @@ class BenchLook:
 
 
 @dataclass(frozen=True)
+class Waiting:
+    """Somebody else has the bench; the process opens it as soon as they let go."""
+
+    trouble: Trouble
+
+
+@dataclass(frozen=True)
 class Opened:
     """The bench is open and dark."""
 
@@ -155,4 +162,4 @@ class Answer:
     look: BenchLook
 
 
-Report = Opened | Refused | Said | Seen | Ended | Answer
+Report = Waiting | Opened | Refused | Said | Seen | Ended | Answer

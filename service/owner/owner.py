@@ -25,11 +25,16 @@ from service.owner.messages import (
     Resume,
     SafeOff,
     Trouble,
+    Waiting,
 )
 
 OwnerState = Literal["opening", "idle", "busy", "closed"]
 _ANSWER_S = 20.0
 _CLOSE_S = 30.0
+
+
+def _nobody(_: Report) -> None:
+    """Whoever comes later looks at the state."""
 
 
 class BenchOwner:
@@ -38,15 +43,17 @@ class BenchOwner:
     Attributes:
         trouble: Why the bench cannot be used; None where it can.
         look: How it was when last asked; None before it was open.
+        listener: Told every report but answers, in a thread of the owner's.
     """
 
-    def __init__(self, settings: BenchSettings, listener: Callable[[Report], None]) -> None:
-        """`listener` is told every report but answers, in a thread of the owner's."""
+    def __init__(
+        self, settings: BenchSettings, listener: Callable[[Report], None] = _nobody
+    ) -> None:
         self.bench_id = settings.id
         self.trouble: Trouble | None = None
         self.look: BenchLook | None = None
         self._settings = settings
-        self._listener = listener
+        self.listener = listener
         self._lock = threading.Lock()
         self._numbers = itertools.count(1)
         self._answers: dict[int, BenchLook] = {}
@@ -156,7 +163,7 @@ class BenchOwner:
             self._state = "closed"
             self._changed.notify_all()
         if running:
-            self._listener(Ended(running, trouble=DIED))
+            self.listener(Ended(running, trouble=DIED))
 
     def _take(self, report: Report) -> None:
         with self._changed:
@@ -164,8 +171,8 @@ class BenchOwner:
                 case Answer(number, look):
                     self._answers[number] = self.look = look
                 case Opened(look):
-                    self._state, self.look = "idle", look
-                case Refused(trouble):
+                    self._state, self.look, self.trouble = "idle", look, None
+                case Waiting(trouble) | Refused(trouble):
                     self.trouble = trouble
                 case Ended():
                     self._state, self._running = "idle", ""
@@ -173,4 +180,4 @@ class BenchOwner:
                     pass
             self._changed.notify_all()
         if not isinstance(report, Answer):
-            self._listener(report)
+            self.listener(report)

@@ -5,7 +5,6 @@ import threading
 from pathlib import Path
 
 from calib.errors import DarkflatError
-from service.bench.settings import BenchSettings
 from service.owner.messages import Ended, Measure, Report, Said, Seen
 from service.owner.owner import BenchOwner
 from service.runs.frames import FrameCount
@@ -27,16 +26,17 @@ class RunKeeper:
     What is on record decides. Whoever changes a run's record and tells the bench holds the lock.
 
     Attributes:
-        owner: The bench's process.
+        owner: The bench's process; opened and closed by the keeper, where it is not open already.
         news: Wakes who follows.
         frames: How many came since the start.
     """
 
-    def __init__(self, store: Store, bench: BenchSettings, folder: Path) -> None:
+    def __init__(self, store: Store, owner: BenchOwner, folder: Path) -> None:
         """`folder` is where recordings under way are written, one file per run."""
         self.news = News()
         self.frames = FrameCount()
-        self.owner = BenchOwner(bench, self._hear)
+        self.owner = owner
+        self.owner.listener = self._hear
         self.lock = threading.RLock()
         self._store = store
         self._folder = folder

@@ -17,7 +17,6 @@ from typing import ClassVar
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from calib.arrays import Columns, Lines
 from calib.errors import InputError
@@ -98,6 +97,8 @@ class Cti(Departure):
             return
         released_share = 1.0 - exp(-1.0 / self.trail_columns)
         if self.partition_noise == 0.0:
+            from scipy.signal import lfilter  # noqa: PLC0415  (1 s to import, and lamps may burn)
+
             # The same recursion without chance: a linear filter along the register.
             read += lfilter([0.0, released_share], [1.0, released_share - 1.0], deferred, axis=-1)
             return

@@ -1,13 +1,19 @@
 """`darkflat serve`: the service."""
 
+import os
+from contextlib import closing
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from service.cli.answering import Json, answering
+from service.cli.answering import Answer, Json, answering
 from service.cli.paths import path_option
+
+if TYPE_CHECKING:
+    from service.owner.owner import BenchOwner
+    from service.settings import Settings
 
 
 class LogLines(StrEnum):
@@ -27,29 +33,39 @@ def serve(
 ) -> None:
     """Serve the bench, its recordings and coefficient sets over HTTP; without one, a simulated."""
     with answering(json) as answer:
-        from service.app import create_app  # noqa: PLC0415
-        from service.cli.listening import listen, serve_until_stopped  # noqa: PLC0415
         from service.cli.simulated_bench import chosen_bench  # noqa: PLC0415
+        from service.owner.owner import BenchOwner  # noqa: PLC0415
         from service.settings import Settings  # noqa: PLC0415
-        from service.store.store import Store  # noqa: PLC0415
+        from service.watching.log import ENVIRONMENT  # noqa: PLC0415
 
         loaded = Settings.load()
         given = {"host": host, "port": port, "bench": bench, "log": log and log.value}
         settings = loaded.model_copy(update={k: v for k, v in given.items() if v is not None})
         chosen = chosen_bench(settings.bench)
-        with Store.open(settings) as store:
-            has_keys = store.keys.any()
-        with listen(settings.host, settings.port, has_keys=has_keys) as listening:
-            app = create_app(settings, bench_settings=chosen.settings, page=True)
-            url = f"http://{settings.host}:{listening.getsockname()[1]}"
-            answer.give(
-                {
-                    "url": url,
-                    "page": f"{url}/page/",
-                    "docs": f"{url}/docs",
-                    "home": settings.home,
-                    "bench": chosen.settings.id,
-                },
-                lambda console: console.print(f"{url}   (Ctrl-C ends it)", markup=False),
-            )
-            serve_until_stopped(app, listening, settings.log)
+        os.environ[ENVIRONMENT] = settings.log  # what is started logs alike
+        with closing(BenchOwner(chosen.settings)) as owner:
+            owner.open()  # before all that takes long: lamps may burn that a dead service lit
+            _serve(settings, owner, answer)
+
+
+def _serve(settings: "Settings", owner: "BenchOwner", answer: Answer) -> None:
+    from service.app import create_app  # noqa: PLC0415
+    from service.cli.listening import listen, serve_until_stopped  # noqa: PLC0415
+    from service.store.store import Store  # noqa: PLC0415
+
+    with Store.open(settings) as store:
+        has_keys = store.keys.any()
+    with listen(settings.host, settings.port, has_keys=has_keys) as listening:
+        app = create_app(settings, owner=owner, page=True)
+        url = f"http://{settings.host}:{listening.getsockname()[1]}"
+        answer.give(
+            {
+                "url": url,
+                "page": f"{url}/page/",
+                "docs": f"{url}/docs",
+                "home": settings.home,
+                "bench": owner.bench_id,
+            },
+            lambda console: console.print(f"{url}   (Ctrl-C ends it)", markup=False),
+        )
+        serve_until_stopped(app, listening, settings.log)

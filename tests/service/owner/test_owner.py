@@ -14,7 +14,7 @@ import pytest
 from calib.errors import DarkflatError
 from drivers.mock.world import World
 from service.bench import BenchSettings, open_bench
-from service.owner.messages import Ended, Measure, Report, Said, Seen
+from service.owner.messages import Ended, Measure, Opened, Report, Said, Seen, Waiting
 from service.owner.owner import BenchOwner
 from service.plan.model import Plan
 from tests.service.owner.serving import slow_plan
@@ -137,15 +137,31 @@ def test_what_a_run_is_refused_for_is_told_with_its_code(
     assert owner.state == "idle"
 
 
-def test_a_bench_that_somebody_has_says_who(settings: BenchSettings, heard: Heard) -> None:
+def test_a_bench_that_somebody_has_says_who_and_is_opened_once_they_let_go(
+    settings: BenchSettings, heard: Heard
+) -> None:
+    owner = BenchOwner(settings, heard)
     with open_bench(settings):
-        owner = BenchOwner(settings, heard)
         owner.open()
-        heard.until(lambda _: True)
+        heard.until(lambda r: isinstance(r, Waiting))
         with pytest.raises(DarkflatError, match=str(os.getpid())) as busy:
             owner.look_now()
         assert busy.value.code == "bench-busy"
+    heard.until(lambda r: isinstance(r, Opened))
+    assert owner.look_now().devices[1].values["level"] == 0.0
+    owner.close()
+
+
+def test_who_waits_for_a_bench_need_not_get_it_to_be_closed(
+    settings: BenchSettings, heard: Heard, caplog: pytest.LogCaptureFixture
+) -> None:
+    owner = BenchOwner(settings, heard)
+    with open_bench(settings):
+        owner.open()
+        heard.until(lambda r: isinstance(r, Waiting))
         owner.close()
+        assert owner.state == "closed"
+    assert "killed" not in caplog.text
 
 
 def test_a_process_that_is_killed_ends_its_run_and_opened_again_the_lamps_are_off(
