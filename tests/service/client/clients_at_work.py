@@ -2,6 +2,7 @@
 
 import io
 import threading
+import time
 import uuid
 import zipfile
 from collections.abc import Callable
@@ -34,7 +35,12 @@ class Acknowledged:
 
 
 class ClientsAtWork:
-    """Two clients, each in a thread, that upload and certify until nobody answers any more."""
+    """Two clients, each in a thread, that upload and certify until nobody answers any more.
+
+    Attributes:
+        certifying: Set whenever a certification is asked for.
+        asked_at_s: When what a client wants last was asked for, by its name.
+    """
 
     def __init__(self, service: Served, archive: bytes, folder: Path, told: Acknowledged) -> None:
         """`archive` is a packed recording folder; each upload is one of another camera."""
@@ -42,6 +48,8 @@ class ClientsAtWork:
         self._archive = archive
         self._upload_file = folder / "upload.zip"
         self._told = told
+        self.certifying = threading.Event()
+        self.asked_at_s: dict[str, float] = {}
         self._threads = [
             threading.Thread(target=self._until_it_dies, args=(work,), daemon=True)
             for work in (self._upload, self._certify)
@@ -69,15 +77,26 @@ class ClientsAtWork:
     def _upload(self, client: Client) -> None:
         serial = f"U{len(self._told.recordings)}"
         self._upload_file.write_bytes(_of_camera(self._archive, serial))
+        self._asks("upload")
         self._told.recordings.append(client.recordings.upload(self._upload_file).digest)
+        self._has("upload")
 
     def _certify(self, client: Client) -> None:
         serial = f"C{uuid.uuid4().hex}"  # what was not acknowledged may be there all the same
         with Store.open(Settings(home=self._service.home)) as store:
             set_id = store.sets.add(a_set(serial=serial), by=Actor("ada")).id
         self._told.verified.append(client.coefficient_sets.verify(set_id).id)
+        self._asks("certification")
+        self.certifying.set()
         made = client.coefficient_sets.certify(set_id, valid_from=day(1), reason="due")
         self._told.certified.append(made.id)
+        self._has("certification")
+
+    def _asks(self, what: str) -> None:
+        self.asked_at_s[what] = time.monotonic()
+
+    def _has(self, what: str) -> None:
+        del self.asked_at_s[what]
 
 
 def _of_camera(archive: bytes, serial: str) -> bytes:
