@@ -111,3 +111,9 @@ def until_idle(client: Client, within_s: float = READY_S) -> None:
     while (bench := client.bench.get()).state != "idle":
         assert time.monotonic() < deadline_s, bench
         time.sleep(0.05)
+
+
+def children(pid: int) -> list[int]:
+    """Return the processes that `pid` has started, in whichever of its threads."""
+    of_threads = Path(f"/proc/{pid}/task").glob("*/children")
+    return [int(each) for of_thread in of_threads for each in of_thread.read_text().split()]

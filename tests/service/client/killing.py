@@ -22,7 +22,7 @@ from tests.service.client.clients_at_work import Acknowledged, ClientsAtWork
 from tests.service.client.darkness import is_dark, wait_until
 from tests.service.sequencer.benches import short_plan, whole_blocks
 from tests.service.sequencer.test_kill import assert_survived
-from tests.service.served import Served, until_idle
+from tests.service.served import Served, children, until_idle
 
 PLAN: Plan = short_plan(
     sweep={"type": "exposure", "exposures_us": [50.0, 100.0, 150.0], "level": 2},
@@ -31,10 +31,6 @@ PLAN: Plan = short_plan(
 )
 _CERTIFYING_S = 0.05
 """About as long as it takes."""
-
-
-def children(pid: int) -> list[int]:
-    return [int(each) for each in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
 
 
 class Killing:

@@ -25,6 +25,7 @@ from service.settings import Settings
 from service.store.actor import Actor
 from service.store.keys import Scope
 from service.store.store import Store
+from tests.service.client.audit_chain import proven
 from tests.service.client.breaking_line import BreakingLine
 from tests.service.sequencer.sweep_plans import whole_sweep
 from tests.service.sequencer.test_protocols import over_protocols
@@ -177,6 +178,7 @@ def assert_applied(client: Client, set_id: str, folder: Path) -> None:
 
 def assert_audited(client: Client, run_id: str, set_id: str) -> None:
     entries = list(client.audit.all())[::-1]
+    assert [each.digest for each in entries] == proven(entries)
     proof = client.audit.verify()
     assert (proof.entries, proof.digest) == (len(entries), entries[-1].digest)
     by_us = [(each.action, each.subject) for each in entries if each.who == "control-pc"]
