@@ -26,10 +26,12 @@ from service.api import (
 from service.api.access import needs
 from service.api.body_limit import LimitedBodies
 from service.api.dependencies import Parts
+from service.api.event_stream import EventStreams
 from service.api.hosts import OnlyKnownHosts, OnlyOwnPages
 from service.api.jobs.files import JobFiles
 from service.api.jobs.runner import JobRunner
 from service.api.jobs.scratch import clear_scratch
+from service.api.key_ring import KeyRing
 from service.api.openapi import describe_api
 from service.api.problems import add_problem_handlers
 from service.api.security_headers import SecurityHeaders
@@ -125,11 +127,12 @@ def _open(settings: Settings, owner: BenchOwner | None) -> Parts:
     clear_scratch(settings)
     runner = JobRunner(store, JobFiles(settings.jobs_folder), max_waiting=settings.max_queued_jobs)
     runner.start()
-    keeper = None
+    keeper = streams = None
     if owner is not None:
         keeper = RunKeeper(store, owner, settings.runs_folder)
         keeper.start()
-    return Parts(settings, store, runner, keeper)
+        streams = EventStreams(store.runs, keeper.news)
+    return Parts(settings, store, runner, keeper, streams, KeyRing(store.keys))
 
 
 def _close(parts: Parts) -> None:

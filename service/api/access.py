@@ -7,14 +7,14 @@ is how a bench begins. From the first key on nothing is answered without one.
 import asyncio
 import ipaddress
 from collections.abc import Callable, Coroutine
+from functools import cache
 from typing import Annotated, Any
 
 from fastapi import Depends, Request
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
-from starlette.concurrency import run_in_threadpool
 
 from calib.errors import DarkflatError
-from service.api.dependencies import Parts, parts
+from service.api.dependencies import Parts, PartsDep
 from service.store.actor import Actor
 from service.store.keys import KeyRecord, Scope
 
@@ -28,13 +28,14 @@ class AccessError(DarkflatError):
     """The key is missing, not good, or does not allow it: `key-needed`, `key-refused`, `scope`."""
 
 
+@cache  # the same one for the same scope: a request is checked once, however often it is named
 def needs(scope: Scope) -> Callable[..., Coroutine[Any, Any, Actor]]:
     """Return the dependency that gives who asks, where they hold `scope`."""
 
     async def check(
         request: Request,
         given: Annotated[HTTPAuthorizationCredentials | None, Depends(_bearer)],
-        known: Annotated[Parts, Depends(parts)],
+        known: PartsDep,
     ) -> Actor:
         address = request.client.host if request.client else ""
         key = None if given is None else given.credentials
@@ -48,7 +49,7 @@ async def who_asks(known: Parts, address: str, key: str | None, scope: Scope) ->
     if key is None:
         return await _without_key(known, address)
     await asyncio.sleep(known.failures.wait_s(address))
-    record = await run_in_threadpool(known.store.keys.known, key)
+    record = await known.keys.known(key)
     if record is None:
         known.failures.count(address)
         msg = "this key is not known, is over, or was revoked; ask for another one"
@@ -58,7 +59,7 @@ async def who_asks(known: Parts, address: str, key: str | None, scope: Scope) ->
 
 
 async def _without_key(known: Parts, address: str) -> Actor:
-    if await run_in_threadpool(known.store.keys.any):
+    if await known.keys.any():
         msg = "a key is needed: send `Authorization: Bearer KEY`"
         raise AccessError(msg, code="key-needed")
     if not _is_this_machine(address):

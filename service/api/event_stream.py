@@ -4,9 +4,8 @@ import asyncio
 import json
 from collections.abc import AsyncIterator
 
-from starlette.concurrency import run_in_threadpool
-
 from service.api.answers.run import EventAnswer
+from service.api.shared_reading import SharedReading
 from service.runs.news import News
 from service.store.run_records import FINAL, RunEvent
 from service.store.runs import Runs
@@ -15,31 +14,54 @@ _ALIVE_S = 15.0
 """A comment so often keeps proxies from closing a silent stream."""
 
 
-async def event_stream(runs: Runs, news: News, run_id: str, after: int) -> AsyncIterator[str]:
-    """Yield the events after number `after`, then each new one, until the run's state is final."""
-    loop, changed = asyncio.get_running_loop(), asyncio.Event()
+class EventStreams:
+    """The streams of all who follow runs: what they wait for together is read and written once."""
 
-    def wake() -> None:
-        loop.call_soon_threadsafe(changed.set)
+    def __init__(self, runs: Runs, news: News) -> None:
+        self._runs = runs
+        self._news = news
+        self._reading: SharedReading[tuple[list[str], bool]] = SharedReading()
 
-    leave = news.follow(wake)
-    try:
-        while True:
-            changed.clear()
-            events = await run_in_threadpool(runs.events, run_id, after=after)
-            for event in events:
-                yield _sent(event)
-                after = event.number
-            if events:
-                continue
-            if (await run_in_threadpool(runs.get, run_id)).state in FINAL:
-                return
-            try:
-                await asyncio.wait_for(changed.wait(), _ALIVE_S)
-            except TimeoutError:
-                yield ": still here\n\n"
-    finally:
-        leave()
+    async def follow(self, run_id: str, after: int) -> AsyncIterator[str]:
+        """Yield the events after number `after`, then each new one, until the state is final."""
+        loop, changed = asyncio.get_running_loop(), asyncio.Event()
+
+        def wake() -> None:
+            loop.call_soon_threadsafe(changed.set)
+
+        leave = self._news.follow(wake)
+        try:
+            while True:
+                changed.clear()
+                texts, is_over = await self._after(run_id, after)
+                if texts:
+                    yield "".join(texts)
+                    after += len(texts)
+                    continue
+                if is_over:
+                    return
+                try:
+                    async with asyncio.timeout(_ALIVE_S):
+                        await changed.wait()
+                except TimeoutError:
+                    yield ": still here\n\n"
+        finally:
+            leave()
+
+    async def _after(self, run_id: str, after: int) -> tuple[list[str], bool]:
+        """Return the next events as they are sent, and whether there are no more to come.
+
+        Whoever asks for the same after the same news is given the same: a reading that began before
+        the news may not have it.
+        """
+        asked = (run_id, after, self._news.told)
+        return await self._reading.get(asked, lambda: self._read(run_id, after))
+
+    def _read(self, run_id: str, after: int) -> tuple[list[str], bool]:
+        # The state first: the event of a final one was written together with it.
+        state = self._runs.get(run_id).state
+        texts = [_sent(each) for each in self._runs.events(run_id, after=after)]
+        return texts, state in FINAL and not texts
 
 
 def _sent(event: RunEvent) -> str:

@@ -1,13 +1,13 @@
 """`/healthz` and `/readyz`: for whoever watches the service."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
-from fastapi import APIRouter, Depends
+from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from calib.errors import DarkflatError
 from drivers.errors import DeviceError
-from service.api.dependencies import Parts, RunnerDep, StoreDep, parts
+from service.api.dependencies import PartsDep, RunnerDep, StoreDep
 from service.api.openapi import problems
 from service.runs.keeper import RunKeeper
 
@@ -36,7 +36,7 @@ def healthz(runner: RunnerDep) -> Alive:
 
 
 @router.get("/readyz", responses=problems("jobs-stopped", "bench-not-ready", keyless=True))
-def readyz(store: StoreDep, runner: RunnerDep, known: Annotated[Parts, Depends(parts)]) -> Ready:
+def readyz(store: StoreDep, runner: RunnerDep, known: PartsDep) -> Ready:
     """Say that jobs are done, the store can be written, and the bench used; else a problem."""
     runner.check_alive()
     store.check_writable()

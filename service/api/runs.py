@@ -7,8 +7,7 @@ from fastapi.responses import JSONResponse, StreamingResponse
 
 from service.api.access import Operator, Reader
 from service.api.answers.run import EventAnswer, PlanAnswer, RunAnswer, RunPage
-from service.api.dependencies import CommandsDep, KeeperDep, StoreDep
-from service.api.event_stream import event_stream
+from service.api.dependencies import CommandsDep, StoreDep, StreamsDep
 from service.api.openapi import BENCH, json_body, problems
 from service.plan.model import Plan
 from service.store.run_records import RunState
@@ -82,13 +81,13 @@ def get_run(run_id: str, store: StoreDep, _reader: Reader) -> RunAnswer:
 def follow_run(
     run_id: str,
     store: StoreDep,
-    keeper: KeeperDep,
+    streams: StreamsDep,
     _reader: Reader,
     last_event_id: LastEventId = None,
 ) -> StreamingResponse:
     """Stream what a run says until its state is final; `Last-Event-ID` goes on after that one."""
     store.runs.get(run_id)
-    stream = event_stream(store.runs, keeper.news, run_id, last_event_id or 0)
+    stream = streams.follow(run_id, last_event_id or 0)
     return StreamingResponse(
         stream, media_type="text/event-stream", headers={"Cache-Control": "no-store"}
     )

@@ -9,11 +9,17 @@ OnNews = Callable[[], None]
 
 
 class News:
-    """Tells followers that something is new, from any thread; keeps the newest frame's look."""
+    """Tells followers that something is new, from any thread; keeps the newest frame's look.
+
+    Attributes:
+        told: How often something was new. What is read after looking at it holds all of that.
+        seen: The newest frame's look.
+    """
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._followers: set[OnNews] = set()
+        self.told = 0
         self.seen: Seen | None = None
 
     def follow(self, wake: OnNews) -> Callable[[], None]:
@@ -30,6 +36,7 @@ class News:
     def tell(self) -> None:
         """Wake all followers."""
         with self._lock:
+            self.told += 1
             followers = tuple(self._followers)
         for wake in followers:
             wake()

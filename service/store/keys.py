@@ -7,7 +7,7 @@ chance and therefore needs no slow hash (NIST SP 800-63B, 5.1.1.2 is about what 
 import hashlib
 import hmac
 import secrets
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from enum import StrEnum
@@ -63,6 +63,28 @@ class KeyRecord:
         return self.revoked_at is None and (self.expires_at is None or at < self.expires_at)
 
 
+@dataclass(frozen=True)
+class KeyBook:
+    """All keys as they were on record at one moment.
+
+    Attributes:
+        by_id: Each key's record, and the SHA-256 of its secret.
+    """
+
+    by_id: Mapping[str, tuple[KeyRecord, str]]
+
+    def known(self, key: str) -> KeyRecord | None:
+        """Return the record of a key that is good now; None of any other text."""
+        prefix, _, rest = key.partition("_")
+        key_id, _, secret = rest.partition("_")
+        record, stored = self.by_id.get(key_id, (None, ""))
+        # Compared in any case: how long it takes tells nothing of which part was wrong.
+        matches = hmac.compare_digest(stored.encode(), _digest(secret).encode())
+        if record is None or prefix != PREFIX or not matches:
+            return None
+        return record if record.is_good_at(datetime.now(UTC)) else None
+
+
 class Keys:
     """The keys; those that are over stay on record."""
 
@@ -90,19 +112,15 @@ class Keys:
             append(session, by, "key.create", key_id, after={"name": name, "scope": scope.value})
             return _record(row), f"{PREFIX}_{key_id}_{secret}"
 
+    def read(self) -> KeyBook:
+        """Return all keys as they are on record now."""
+        with reading_session(self._engine) as session:
+            rows: Iterable[KeyRow] = session.scalars(select(KeyRow))
+            return KeyBook({row.id: (_record(row), row.secret_sha256) for row in rows})
+
     def known(self, key: str) -> KeyRecord | None:
         """Return the record of a key that is good now; None of any other text."""
-        prefix, _, rest = key.partition("_")
-        key_id, _, secret = rest.partition("_")
-        with reading_session(self._engine) as session:
-            row = session.scalar(select(KeyRow).where(KeyRow.id == key_id))
-            stored = "" if row is None else row.secret_sha256
-            # Compared in any case: how long it takes tells nothing of which part was wrong.
-            matches = hmac.compare_digest(stored.encode(), _digest(secret).encode())
-            if row is None or prefix != PREFIX or not matches:
-                return None
-            record = _record(row)
-        return record if record.is_good_at(datetime.now(UTC)) else None
+        return self.read().known(key)
 
     def any(self) -> bool:
         """Tell whether a key was ever made: then none is served without one."""
@@ -134,7 +152,7 @@ def _find(session: Session, key_id: str) -> KeyRow:
 
 
 def _digest(secret: str) -> str:
-    return hashlib.sha256(secret.encode()).hexdigest()
+    return hashlib.sha256(secret.encode(errors="surrogatepass")).hexdigest()
 
 
 def _record(row: KeyRow) -> KeyRecord:
