@@ -32,7 +32,7 @@ def of_5_mpix(size: Size) -> Row:
     columns, lines = min(COLUMNS, size.n_columns), min(LINES, size.n_lines)
     with tempfile.TemporaryDirectory(dir=size.folder, prefix="darkflat-bench-") as folder:
         path = Path(folder) / "recording.h5"
-        _record(path, FEW, columns, lines)
+        record(path, FEW, columns, lines)
         mpix = len(FEW) * columns * lines / 1e6
         figures = race(
             mpix,
@@ -58,7 +58,7 @@ def of_full_size(size: Size) -> Row:
     """31 blocks by the command, its start included."""
     with tempfile.TemporaryDirectory(dir=size.folder, prefix="darkflat-bench-") as folder:
         path = Path(folder) / "recording.h5"
-        _record(path, MANY, size.n_columns, size.n_lines)
+        record(path, MANY, size.n_columns, size.n_lines)
         mpix = len(MANY) * size.frame_pixels / 1e6
         peak_gb = 0.0
 
@@ -82,7 +82,8 @@ def of_full_size(size: Size) -> Row:
     )
 
 
-def _record(path: Path, plan: list[tuple[int, float]], columns: int, lines: int) -> None:
+def record(path: Path, plan: list[tuple[int, float]], columns: int, lines: int) -> None:
+    """Record a block of one frame for each level and exposure (µs) of `plan`."""
     model = camera_model(PRESET, columns)
     blocks = [
         Block(

@@ -34,20 +34,35 @@ BENCH: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Served:
-    """Where the service answers, and a key that opens it."""
+    """Where the service answers, a key that opens it, and its process."""
 
     url: str
     key: str
+    pid: int
 
     def processor_s(self) -> dict[str, float]:
         """Return the processor time of its two processes so far, by its own metrics."""
-        headers = {"Authorization": f"Bearer {self.key}"}
-        told = httpx2.get(f"{self.url}/metrics", headers=headers, trust_env=False).text
+        told = self._ask("GET", "/metrics").text
         samples = {s.name: s.value for f in text_string_to_metric_families(told) for s in f.samples}
         return {
             "service": samples["process_cpu_seconds_total"],
             "bench": samples["darkflat_bench_process_cpu_seconds_total"],
         }
+
+    def diagnose(self, digest: str) -> str:
+        """Begin to diagnose a recording; return the job's id."""
+        job: str = self._ask("POST", "/v1/diagnoses", json={"recording": digest}).json()["id"]
+        return job
+
+    def children(self) -> set[int]:
+        """Return the processes that it has started and that are not over (Linux)."""
+        told = (each.read_text() for each in Path(f"/proc/{self.pid}/task").glob("*/children"))
+        return {int(child) for children in told for child in children.split()}
+
+    def _ask(self, method: str, path: str, json: Any = None) -> httpx2.Response:
+        headers = {"Authorization": f"Bearer {self.key}"}
+        with httpx2.Client(base_url=self.url, headers=headers, trust_env=False) as http:
+            return http.request(method, path, json=json).raise_for_status()
 
 
 def plan(seconds: float) -> dict[str, Any]:
@@ -84,6 +99,6 @@ def serving(folder: Path) -> Iterator[Served]:
         try:
             assert process.stdout is not None
             told = "".join(takewhile(lambda line: line != "}\n", process.stdout))
-            yield Served(json.loads(told + "}")["url"], key)
+            yield Served(json.loads(told + "}")["url"], key, process.pid)
         finally:
             process.terminate()
