@@ -13,13 +13,16 @@ from pydantic import BaseModel, ConfigDict, Field
 from calib.recording.tone import Tone
 from service.api.access import Operator
 from service.api.answers.job import JobAnswer
-from service.api.dependencies import RunnerDep, SettingsDep, StoreDep
-from service.api.jobs.scratch import new_scratch
+from service.api.dependencies import PartsDep
+from service.api.jobs.starting import start_job
+from service.api.model_text import ModelText, check_model
 from service.api.openapi import problems
 from service.store.actor import Actor
 from service.store.store import Store
 
 router = APIRouter(prefix="/v1/calibrations", tags=["calibrations"])
+
+_SET = "coefficient-set.h5"
 
 
 class ToneRequest(BaseModel):
@@ -54,42 +57,32 @@ class CalibrationRequest(BaseModel):
     order: int | None = Field(default=None, ge=2, le=20, description="Of the vignette.")
     darks_required: bool = True
     tone: ToneRequest | None = None
-    model: str | None = Field(
+    model: ModelText | None = Field(
         default=None,
-        max_length=1 << 24,
         description="A model file's text: its departures are taken out of the calibration.",
     )
 
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(404, 429))
 def start_calibration(
-    *,
-    wanted: CalibrationRequest,
-    response: Response,
-    store: StoreDep,
-    settings: SettingsDep,
-    runner: RunnerDep,
-    operator: Operator,
+    *, wanted: CalibrationRequest, response: Response, known: PartsDep, operator: Operator
 ) -> JobAnswer:
     """Queue a calibration; follow it at the `Location`. Its set is added as a draft."""
     if wanted.tone is not None:
         wanted.tone.check()
-    if wanted.model is not None:
-        from calib.forward.model import Model  # noqa: PLC0415  (slow to import)
-
-        Model.loads(wanted.model)
-    recording = store.recordings.get(wanted.recording)
-    scratch = new_scratch(settings)
-    out = scratch / "coefficient-set.h5"
-    record = runner.submit(
+    check_model(wanted.model)
+    recording = known.store.recordings.get(wanted.recording)
+    return start_job(
         "calibrate",
-        wanted.model_dump(),
-        {"recording_path": recording.path, "out_path": str(out)},
-        lambda result: _keep(store, out, result, operator),
-        scratch=scratch,
+        wanted,
+        known=known,
+        response=response,
+        prepare=lambda scratch: {
+            "recording_path": recording.path,
+            "out_path": str(scratch / _SET),
+        },
+        finish=lambda scratch, made: _keep(known.store, scratch / _SET, made, operator),
     )
-    response.headers["Location"] = f"/v1/jobs/{record.id}"
-    return JobAnswer.of(record)
 
 
 def _keep(store: Store, made: Path, result: dict[str, Any], by: Actor) -> dict[str, Any]:

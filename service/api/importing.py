@@ -27,14 +27,8 @@ def import_archive(
     """
     with tempfile.TemporaryDirectory(dir=settings.work_folder, prefix="import-") as folder:
         unpacked, kept = Path(folder) / "unpacked", Path(folder) / "kept"
-        unpacked.mkdir()
         kept.mkdir()
-        unpack(
-            archive,
-            unpacked,
-            limit_bytes=settings.max_upload_bytes,
-            limit_files=settings.max_upload_files,
-        )
+        unpack(archive, unpacked, settings)
         with names_of_the_archive(unpacked, kept):
             _take(unpacked, kept / FILE)
         digest = open_recording(kept / FILE).digest()

@@ -7,8 +7,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.api.access import Operator
 from service.api.answers.job import JobAnswer
-from service.api.dependencies import RunnerDep, SettingsDep, StoreDep
-from service.api.jobs.scratch import FILES, new_scratch
+from service.api.dependencies import PartsDep
+from service.api.jobs.starting import start_job
 from service.api.openapi import problems
 
 router = APIRouter(prefix="/v1/photon-transfers", tags=["photon transfer"])
@@ -30,23 +30,11 @@ class PhotonTransferRequest(BaseModel):
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(404, 429))
 def start_photon_transfer(
-    *,
-    wanted: PhotonTransferRequest,
-    response: Response,
-    store: StoreDep,
-    settings: SettingsDep,
-    runner: RunnerDep,
-    _operator: Operator,
+    *, wanted: PhotonTransferRequest, response: Response, known: PartsDep, _operator: Operator
 ) -> JobAnswer:
     """Queue a photon transfer; its job leaves the data sheet, or maps of every pixel."""
-    recording = store.recordings.get(wanted.recording)
-    scratch = new_scratch(settings)
-    record = runner.submit(
-        "photon-transfer",
-        wanted.model_dump(),
-        {"recording_path": recording.path, "files": str(scratch / FILES)},
-        lambda result: result,
-        scratch=scratch,
+    recording = known.store.recordings.get(wanted.recording)
+    private = {"recording_path": recording.path}
+    return start_job(
+        "photon-transfer", wanted, known=known, response=response, prepare=lambda _: private
     )
-    response.headers["Location"] = f"/v1/jobs/{record.id}"
-    return JobAnswer.of(record)

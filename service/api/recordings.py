@@ -1,7 +1,5 @@
 """`/v1/recordings`."""
 
-import tempfile
-from pathlib import Path
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response, status
@@ -15,7 +13,7 @@ from service.api.dependencies import SettingsDep, StoreDep
 from service.api.importing import import_archive
 from service.api.openapi import problems
 from service.api.recording_zip import files_of, zipped
-from service.api.uploads import check_media_type, receive
+from service.api.uploads import uploaded
 
 router = APIRouter(prefix="/v1/recordings", tags=["recordings"])
 
@@ -91,17 +89,9 @@ async def import_recording(
     name: Annotated[str, Query(max_length=200, description="For people.")] = "",
 ) -> RecordingAnswer:
     """Import a recording; one that is here already is answered as it is."""
-    check_media_type(request, _ZIP)
-    with tempfile.NamedTemporaryFile(dir=settings.work_folder, suffix=".zip") as archive:
-        await receive(request, archive, limit_bytes=settings.max_upload_bytes)
-        archive.flush()
+    async with uploaded(request, _ZIP, settings) as archive:
         record, is_new = await run_in_threadpool(
-            import_archive,
-            Path(archive.name),
-            name=name,
-            by=operator,
-            settings=settings,
-            store=store,
+            import_archive, archive, name=name, by=operator, settings=settings, store=store
         )
     if not is_new:
         response.status_code = status.HTTP_200_OK

@@ -1,9 +1,8 @@
 """`/v1/transfer-functions`: from an uploaded scan of a grating to the pixel's MTF, as a job."""
 
-import shutil
 from enum import IntEnum
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Request, Response, status
 from pydantic import BaseModel, ConfigDict, Field
@@ -13,14 +12,12 @@ from calib.errors import InputError
 from service.api.access import Operator
 from service.api.answers.job import JobAnswer
 from service.api.archive_names import names_of_the_archive
-from service.api.dependencies import RunnerDep, SettingsDep
-from service.api.jobs.runner import JobRunner
-from service.api.jobs.scratch import FILES, new_scratch
+from service.api.dependencies import PartsDep
+from service.api.jobs.starting import start_job
 from service.api.openapi import problems
 from service.api.unpacking import unpack
-from service.api.uploads import check_media_type, receive
+from service.api.uploads import uploaded
 from service.settings import Settings
-from service.store.records import JobRecord
 
 router = APIRouter(prefix="/v1/transfer-functions", tags=["transfer functions"])
 
@@ -64,50 +61,35 @@ async def start_transfer_function(
     request: Request,
     response: Response,
     wanted: Annotated[Wanted, Query()],
-    settings: SettingsDep,
-    runner: RunnerDep,
+    known: PartsDep,
     _operator: Operator,
 ) -> JobAnswer:
     """Queue the reduction of a scan; its job leaves the transfer function and its figures."""
-    check_media_type(request, _ZIP)
-    scratch = await run_in_threadpool(new_scratch, settings)
-    try:
-        archive = scratch / "scan.zip"
-        with archive.open("xb") as file:
-            await receive(request, file, limit_bytes=settings.max_upload_bytes)
-        record = await run_in_threadpool(_queued, wanted, scratch, archive, settings, runner)
-    except BaseException:
-        shutil.rmtree(scratch, ignore_errors=True)
-        raise
-    response.headers["Location"] = f"/v1/jobs/{record.id}"
-    return JobAnswer.of(record)
+    async with uploaded(request, _ZIP, known.settings) as archive:
+
+        def prepare(scratch: Path) -> dict[str, Any]:
+            folder = _unpacked(archive, scratch / "unpacked", known.settings)
+            return {"scan_path": str(folder)}
+
+        return await run_in_threadpool(
+            start_job,
+            "transfer-function",
+            wanted,
+            known=known,
+            response=response,
+            prepare=prepare,
+        )
 
 
-def _queued(
-    wanted: Wanted, scratch: Path, archive: Path, settings: Settings, runner: JobRunner
-) -> JobRecord:
-    """Unpack the archive, look at what it says of itself, and queue the work."""
+def _unpacked(archive: Path, into: Path, settings: Settings) -> Path:
+    """Unpack the archive, look at what it says of itself, and return the folder of the scan."""
     from calib.mtf.reading import read_toml  # noqa: PLC0415  (slow to import)
 
-    unpacked = scratch / "unpacked"
-    unpacked.mkdir()
-    unpack(
-        archive,
-        unpacked,
-        limit_bytes=settings.max_upload_bytes,
-        limit_files=settings.max_upload_files,
-    )
-    archive.unlink()
-    found = list(unpacked.rglob("mtf.toml"))
+    unpack(archive, into, settings)
+    found = list(into.rglob("mtf.toml"))
     if len(found) != 1:
         msg = "the archive does not hold exactly one mtf.toml: pack the folder of one scan"
         raise InputError(msg, code="not-a-scan")
-    with names_of_the_archive(unpacked):
+    with names_of_the_archive(into):
         read_toml(found[0].parent)
-    return runner.submit(
-        "transfer-function",
-        wanted.model_dump(mode="json"),
-        {"scan_path": str(found[0].parent), "files": str(scratch / FILES)},
-        lambda result: result,
-        scratch=scratch,
-    )
+    return found[0].parent

@@ -5,25 +5,27 @@ import zipfile
 from pathlib import Path, PurePosixPath
 
 from calib.errors import InputError
+from service.settings import Settings
 
 _CHUNK = 1 << 20
 _DEEPEST = 4
 
 
-def unpack(archive: Path, folder: Path, *, limit_bytes: int, limit_files: int) -> None:
-    """Unpack the zip file `archive` into the empty `folder`.
+def unpack(archive: Path, folder: Path, settings: Settings) -> None:
+    """Unpack the zip file `archive` into the new `folder`, within the limits of an upload.
 
     Raises:
         InputError: `not-a-zip`; `unsafe-archive` for a path that leads elsewhere, a link, or too
-            many files; `too-large` where it unpacks to more than `limit_bytes`.
+            many files; `too-large` where it unpacks to more than an upload may.
     """
+    folder.mkdir()
     try:
         with zipfile.ZipFile(archive) as packed:
             members = packed.infolist()
-            if len(members) > limit_files:
-                msg = f"the archive has more than {limit_files} files"
+            if len(members) > settings.max_upload_files:
+                msg = f"the archive has more than {settings.max_upload_files} files"
                 raise InputError(msg, code="unsafe-archive")
-            left = limit_bytes
+            left = settings.max_upload_bytes
             for member in members:
                 target = folder / _safe_name(member)
                 if not member.is_dir():

@@ -1,5 +1,9 @@
 """Receiving a body without ever holding it in memory, and never more than is allowed."""
 
+import tempfile
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import IO
 
 from fastapi import Request
@@ -7,6 +11,7 @@ from starlette.concurrency import run_in_threadpool
 
 from calib.errors import InputError
 from service.api.body_limit import allow
+from service.settings import Settings
 
 
 async def receive(request: Request, into: IO[bytes], *, limit_bytes: int) -> int:
@@ -28,6 +33,20 @@ async def receive(request: Request, into: IO[bytes], *, limit_bytes: int) -> int
     if n_bytes == 0:
         raise InputError("the request has no body: send the file as it", code="empty-body")
     return n_bytes
+
+
+@asynccontextmanager
+async def uploaded(request: Request, media_type: str, settings: Settings) -> AsyncIterator[Path]:
+    """Give the file of an uploaded body, of that type alone; it is removed afterwards.
+
+    Raises:
+        InputError: `wrong-media-type`, and as `receive`.
+    """
+    check_media_type(request, media_type)
+    with tempfile.NamedTemporaryFile(dir=settings.work_folder) as file:
+        await receive(request, file, limit_bytes=settings.max_upload_bytes)
+        file.flush()
+        yield Path(file.name)
 
 
 def check_media_type(request: Request, *accepted: str) -> None:

@@ -31,38 +31,20 @@ class RecordingWork:
 
 
 def _calibrate(parts: Parts, digest: str, by: Actor, relative: bool) -> JobAnswer:
-    return start_calibration(
-        wanted=CalibrationRequest(recording=digest, relative=relative),
-        response=Response(),
-        store=parts.store,
-        settings=parts.settings,
-        runner=parts.runner,
-        operator=by,
-    )
+    wanted = CalibrationRequest(recording=digest, relative=relative)
+    return start_calibration(wanted=wanted, response=Response(), known=parts, operator=by)
 
 
 def _photon_transfer(parts: Parts, digest: str, by: Actor, relative: bool) -> JobAnswer:
     del relative  # a calibration's choice
-    return start_photon_transfer(
-        wanted=PhotonTransferRequest(recording=digest),
-        response=Response(),
-        store=parts.store,
-        settings=parts.settings,
-        runner=parts.runner,
-        _operator=by,
-    )
+    wanted = PhotonTransferRequest(recording=digest)
+    return start_photon_transfer(wanted=wanted, response=Response(), known=parts, _operator=by)
 
 
 def _diagnose(parts: Parts, digest: str, by: Actor, relative: bool) -> JobAnswer:
     del relative
-    return start_diagnosis(
-        wanted=DiagnosisRequest(recording=digest),
-        response=Response(),
-        store=parts.store,
-        settings=parts.settings,
-        runner=parts.runner,
-        _operator=by,
-    )
+    wanted = DiagnosisRequest(recording=digest)
+    return start_diagnosis(wanted=wanted, response=Response(), known=parts, _operator=by)
 
 
 WORK: Final[tuple[RecordingWork, ...]] = (

@@ -92,13 +92,9 @@ class JobRunner:
                 folder `files` then is kept unless the job was cancelled.
 
         Raises:
-            StoreError: `too-many-jobs`.
+            StoreError: `too-many-jobs`; the folder is the caller's still.
         """
-        try:
-            record = self._store.jobs.submit(kind, dict(request), max_waiting=self._max_waiting)
-        except DarkflatError:
-            shutil.rmtree(scratch, ignore_errors=True)
-            raise
+        record = self._store.jobs.submit(kind, dict(request), max_waiting=self._max_waiting)
         work = {**request, **private, "job": record.id}
         self._queue.put(_Queued(record.id, kind, work, finish, scratch))
         return record

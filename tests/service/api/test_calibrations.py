@@ -201,6 +201,7 @@ def test_a_full_queue_says_so(
         assert client.post(PLACE, json={"recording": digest}).status_code == 202
         full = client.post(PLACE, json={"recording": digest})
         assert (full.status_code, full.json()["code"]) == (429, "too-many-jobs")
+        assert len(list(small.work_folder.glob("job-*"))) == 1  # the refused one's is gone
 
 
 def test_what_the_service_left_behind_is_interrupted_at_the_next_start(settings: Settings) -> None:
