@@ -1,31 +1,15 @@
 """`/healthz` and `/readyz`: for whoever watches the service."""
 
-from typing import Literal
-
 from fastapi import APIRouter
-from pydantic import BaseModel, Field
 
 from calib.errors import DarkflatError
 from drivers.errors import DeviceError
+from service.api.answers.health import Alive, Ready
 from service.api.dependencies import PartsDep, RunnerDep, StoreDep
 from service.api.openapi import problems
 from service.runs.keeper import RunKeeper
 
 router = APIRouter(tags=["health"])
-
-
-class Alive(BaseModel):
-    """The process answers."""
-
-    status: Literal["alive"] = "alive"
-
-
-class Ready(BaseModel):
-    """It can do its work."""
-
-    status: Literal["ready"] = "ready"
-    store: Literal["writable"] = "writable"
-    bench: Literal["reachable", "none"] = Field(description="`none`: the service has no bench.")
 
 
 @router.get("/healthz", responses=problems("jobs-stopped", keyless=True))

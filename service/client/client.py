@@ -6,6 +6,7 @@ from typing import Self
 from service.client.audit import Audit
 from service.client.bench import Bench
 from service.client.coefficient_sets import CoefficientSets
+from service.client.health import Health
 from service.client.jobs import Jobs
 from service.client.link import Link
 from service.client.recordings import Recordings
@@ -19,9 +20,10 @@ class Client:
         bench: What it does, and `safe_off`.
         runs: Plans that it measures.
         recordings: What came of them, or was uploaded.
-        jobs: Calibrations, and other long work.
+        jobs: Calibrations, photon transfers, diagnoses, transfer functions.
         coefficient_sets: Their lives, and radiance by them.
         audit: What was done by whom.
+        health: Whether it can be worked with.
     """
 
     def __init__(
@@ -45,6 +47,7 @@ class Client:
         self.jobs = Jobs(self._link)
         self.coefficient_sets = CoefficientSets(self._link)
         self.audit = Audit(self._link)
+        self.health = Health(self._link)
 
     def safe_off(self) -> bool:
         """Switch every lamp off, whoever has the bench; say whether all read back as off."""

@@ -6,18 +6,16 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import httpx2
 import numpy as np
 
 from calib.arrays import RawLines
 from service.api.answers.coefficient_set import SetAnswer, SetPage
 from service.client.applied import AppliedLines
-from service.client.errors import ServiceLostError
 from service.client.link import Link
+from service.client.packing import pieces
 
 _PLACE = "/v1/coefficient-sets"
 _NPY = {"Content-Type": "application/x-npy"}
-_AT_ONCE_BYTES = 1 << 20
 _IN_MEMORY_BYTES = 1 << 26
 
 
@@ -93,36 +91,57 @@ class CoefficientSets:
 
     def download(self, set_id: str, out: Path | str) -> Path:
         """Write a set's file."""
-        path = Path(out)
-        path.write_bytes(self._link.ask("GET", f"{_PLACE}/{set_id}/file", repeatable=True))
-        return path
+        return self._link.download(f"{_PLACE}/{set_id}/file", out)
 
     def apply(
-        self, set_id: str, lines: RawLines, *, exposure_us: float, **taken: Any
+        self,
+        set_id: str,
+        lines: RawLines,
+        *,
+        exposure_us: float,
+        at: datetime | None = None,
+        serial: str | None = None,
+        band: str | None = None,
+        gain_db: float | None = None,
+        black_level_dn: float | None = None,
+        bit_depth: int | None = None,
+        first_column: int | None = None,
+        temperature_c: float | None = None,
+        force: bool = False,
     ) -> AppliedLines:
         """Return the radiance of raw lines.
+
+        What is None is taken to be as in the set, and `notes` say so.
 
         Args:
             set_id: The set.
             lines: (n_lines, n_columns) uint8 or uint16, DN.
             exposure_us: At which they were taken.
-            taken: How else they were taken, as the API has it: `at`, `serial`, `band`, `gain`,
-                `black_level`, `bit_depth`, `first_column`, `temperature`, `force`.
+            at: When; a certified set holds for a time.
+            serial: Of the camera.
+            band: Of the camera.
+            gain_db: Of the camera.
+            black_level_dn: Of the camera.
+            bit_depth: Of the lines.
+            first_column: Where they begin on the sensor.
+            temperature_c: Of the sensor.
+            force: Whether a set that does not match is applied all the same; `flags` tell.
         """
-        if isinstance(taken.get("at"), datetime):
-            taken["at"] = taken["at"].isoformat()
-        request = {"params": {"exposure_us": exposure_us, **taken}, "headers": _NPY}
+        taken = {
+            "exposure_us": exposure_us, "at": None if at is None else at.isoformat(),
+            "serial": serial, "band": band, "gain": gain_db, "black_level": black_level_dn,
+            "bit_depth": bit_depth, "first_column": first_column, "temperature": temperature_c,
+            "force": force,
+        }  # fmt: skip
+        return self._applied(f"{_PLACE}/{set_id}/apply", lines, taken)
+
+    def _applied(self, place: str, lines: RawLines, taken: dict[str, Any]) -> AppliedLines:
         with tempfile.TemporaryFile() as body, _spool() as answer:
             np.save(body, lines)
             body.seek(0)
-            content = iter(lambda: body.read(_AT_ONCE_BYTES), b"")
-            place = f"{_PLACE}/{set_id}/apply"
-            try:
-                with self._link.stream("POST", place, content=content, **request) as response:
-                    for chunk in response.iter_bytes():
-                        answer.write(chunk)
-            except httpx2.TransportError as error:
-                raise ServiceLostError(self._link.url, error) from error
+            self._link.receive(
+                answer, "POST", place, params=taken, headers=_NPY, content=pieces(body)
+            )
             answer.seek(0)
             return AppliedLines.read(answer)
 

@@ -1,14 +1,19 @@
-"""Long work: asked for, waited for, cancelled."""
+"""Long work: asked for, waited for, cancelled, its files fetched."""
 
 import time
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, Literal
 
+from calib.errors import InputError
+from calib.recording.tone import Tone
 from service.api.answers.job import JobAnswer, JobPage
-from service.client.errors import WorkFailedError
-from service.client.link import Link
+from service.client.endings import FINAL, succeeded
+from service.client.link import Link, given
+from service.client.packing import ZIP, in_folder, packed
 
-FINAL = frozenset({"succeeded", "failed", "cancelled", "interrupted"})
+_PLACE = "/v1/jobs"
 
 
 def _silent(_progress: float) -> None:
@@ -16,37 +21,97 @@ def _silent(_progress: float) -> None:
 
 
 class Jobs:
-    """`/v1/jobs`, and what begins one."""
+    """`/v1/jobs`, and what begins one. A job that was asked for is not asked for again."""
 
     def __init__(self, link: Link) -> None:
         self._link = link
 
     def calibrate(
-        self, recording: str, *, radiances: Mapping[float, float] | None = None, **options: Any
+        self,
+        recording: str,
+        *,
+        radiances: Mapping[float, float] | None = None,
+        relative: bool = False,
+        order: int | None = None,
+        darks_required: bool = True,
+        tone: Tone | None = None,
+        model: str | None = None,
     ) -> JobAnswer:
-        """Begin to derive a coefficient set from a recording.
+        """Begin to derive a coefficient set from a recording; `result` names the draft.
 
         Args:
             recording: Its digest.
             radiances: By level, where the recording does not state them.
-            options: `relative`, `order`, `darks_required`, `tone`, `model`, as the API has them.
+            relative: Whether to do without radiances.
+            order: Of the vignette; None: as the data want it.
+            darks_required: Whether a recording without darks is refused.
+            tone: A known synchronous one, to be removed.
+            model: A model file's text, whose departures are taken out.
         """
-        wanted: dict[str, Any] = {"recording": recording, **options}
+        wanted: dict[str, Any] = {
+            "recording": recording, "relative": relative, "order": order,
+            "darks_required": darks_required, "model": model,
+        }  # fmt: skip
         if radiances is not None:
             wanted["radiances"] = {str(level): value for level, value in radiances.items()}
-        return self._link.post(JobAnswer, "/v1/calibrations", wanted)
+        if tone is not None:
+            wanted["tone"] = asdict(tone)
+        return self._link.post(JobAnswer, "/v1/calibrations", given(wanted))
+
+    def photon_transfer(
+        self, recording: str, *, method: Literal["ptc", "sanuc", "s3nuc"] = "ptc"
+    ) -> JobAnswer:
+        """Begin to determine a recording's system gain, by the whole curve or by two exposures."""
+        wanted = {"recording": recording, "method": method}
+        return self._link.post(JobAnswer, "/v1/photon-transfers", wanted)
+
+    def diagnose(
+        self, recording: str, *, second_recording: str | None = None, model: str | None = None
+    ) -> JobAnswer:
+        """Begin to look for what a recording, or two of one bench, show beyond a model.
+
+        Args:
+            recording: Its digest.
+            second_recording: Another one's.
+            model: A model file's text; None: the plain one, fitted.
+        """
+        wanted = {"recording": recording, "second_recording": second_recording, "model": model}
+        return self._link.post(JobAnswer, "/v1/diagnoses", given(wanted))
+
+    def transfer_function(
+        self,
+        scan: Path | str,
+        *,
+        method: Literal["regularised", "filter"] = "regularised",
+        support: Literal[3, 5] = 3,
+    ) -> JobAnswer:
+        """Upload a folder with `mtf.toml` and `frames/`, or a zip of one, and begin to reduce it.
+
+        Args:
+            scan: The folder.
+            method: Least squares on a compact PSF, or the paper's filter.
+            support: Pixels along the side beyond which crosstalk is taken as 0.
+
+        Raises:
+            InputError: `not-a-scan`; nothing is sent then.
+        """
+        wanted = {"method": method, "support": support}
+        with packed(Path(scan), _files) as archive:
+            return self._link.post(
+                JobAnswer, "/v1/transfer-functions", params=wanted, content=archive, headers=ZIP
+            )
 
     def get(self, job_id: str) -> JobAnswer:
         """Return a job as it is now."""
-        return self._link.get(JobAnswer, f"/v1/jobs/{job_id}")
+        return self._link.get(JobAnswer, f"{_PLACE}/{job_id}")
 
     def all(self) -> Iterator[JobAnswer]:
         """Yield every job, newest first."""
-        return self._link.pages(JobPage, "/v1/jobs")
+        return self._link.pages(JobPage, _PLACE)
 
     def cancel(self, job_id: str) -> JobAnswer:
         """End it at once; one that is done stays as it is."""
-        return self._link.post(JobAnswer, f"/v1/jobs/{job_id}/cancel", repeatable=True)
+        return self._link.post(JobAnswer, f"{_PLACE}/{job_id}/cancel", repeatable=True)
 
     def wait(
         self,
@@ -71,8 +136,20 @@ class Jobs:
                 told = job.progress
                 on_progress(told)
             time.sleep(every_s)
-        if job.state != "succeeded":
-            text = f"job {job_id} is {job.state}" if job.error is None else job.error.message
-            code = f"job-{job.state}" if job.error is None else job.error.code
-            raise WorkFailedError(text, code=code, state=job.state)
-        return job
+        return succeeded("job", job)
+
+    def download(self, job_id: str, name: str, out: Path | str) -> Path:
+        """Write a file that a job left, one of its `files`, to `out`."""
+        return self._link.download(f"{_PLACE}/{job_id}/files/{name}", out)
+
+    def download_all(self, job_id: str, folder: Path | str) -> tuple[Path, ...]:
+        """Write every file that a job left into a folder, by its name."""
+        names = [Path(each.name).name for each in self.get(job_id).files]
+        return tuple(self.download(job_id, name, Path(folder) / name) for name in names)
+
+
+def _files(scan: Path) -> dict[str, Path]:
+    if not (scan / "mtf.toml").is_file():
+        msg = f"{scan} is no scan: name a folder with mtf.toml, or a .zip of one"
+        raise InputError(msg, code="not-a-scan")
+    return in_folder(scan)

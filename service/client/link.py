@@ -1,16 +1,19 @@
 """The connection to the service: keys, problems, pages, and what is asked again when it breaks."""
 
 import time
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import Any, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO, Any, TypeVar
 
 import httpx2
 from pydantic import BaseModel
 
+from calib.recording.durable import disk_errors, partial_path
 from service.client.errors import ProblemError, ServiceLostError
 
 Answer = TypeVar("Answer", bound=BaseModel)
+Got = TypeVar("Got")
 
 _AGAIN_S = 0.2
 _SILENT_S = 30.0
@@ -78,26 +81,61 @@ class Link:
             ProblemError: The service says no; the code is its.
             ServiceLostError: Nothing answers, for `patience_s` where `repeatable`.
         """
-        deadline_s = time.monotonic() + self.patience_s
+
+        def once() -> httpx2.Response:
+            return self._http.request(
+                method, place, params=given(params), json=json, content=content, headers=headers
+            )
+
+        response = self._patiently(once, repeatable=repeatable)
+        raise_problem(response)
+        return response.content
+
+    def receive(self, into: IO[bytes], method: str, place: str, **request: Any) -> None:
+        """Write an answer to `into` as it comes; errors as those of `ask`, asked once."""
+        self._patiently(lambda: self._copy(into, method, place, **request), repeatable=False)
+
+    def download(self, place: str, out: Path | str) -> Path:
+        """Write what is at `place` to the file `out`, whole, or leave that as it was."""
+        path = Path(out)
+        partial = partial_path(path)
+
+        def once() -> None:
+            with disk_errors(path), partial.open("wb") as file:
+                self._copy(file, "GET", place)
+
+        try:
+            self._patiently(once, repeatable=True)
+            with disk_errors(path):
+                partial.replace(path)
+        finally:
+            with suppress(OSError):
+                partial.unlink()
+        return path
+
+    def _copy(self, into: IO[bytes], method: str, place: str, **request: Any) -> None:
+        with self.stream(method, place, **request) as response:
+            for chunk in response.iter_bytes():
+                into.write(chunk)
+
+    def _patiently(self, once: Callable[[], Got], *, repeatable: bool) -> Got:
+        """Do it, and again where the line broke, for as long as patience lasts from then on."""
+        deadline_s: float | None = None
         while True:
             try:
-                response = self._http.request(
-                    method, place, params=_given(params), json=json, content=content,
-                    headers=headers,
-                )  # fmt: skip
+                return once()
             except httpx2.TransportError as error:
-                if not repeatable or time.monotonic() >= deadline_s:
+                now_s = time.monotonic()
+                deadline_s = now_s + self.patience_s if deadline_s is None else deadline_s
+                if not repeatable or now_s >= deadline_s:
                     raise ServiceLostError(self.url, error) from error
                 time.sleep(_AGAIN_S)
-            else:
-                raise_problem(response)
-                return response.content
 
     @contextmanager
     def stream(self, method: str, place: str, **request: Any) -> Iterator[httpx2.Response]:
         """Give an answer whose body is read as it comes; transport errors are the caller's."""
         if "params" in request:
-            request["params"] = _given(request["params"])
+            request["params"] = given(request["params"])
         with self._http.stream(method, place, **request) as response:
             if response.is_error:
                 response.read()
@@ -120,5 +158,6 @@ def raise_problem(response: httpx2.Response) -> None:
     raise ProblemError(response.status_code, told if isinstance(told, dict) else {})
 
 
-def _given(params: Mapping[str, Any] | None) -> dict[str, Any]:
+def given(params: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return what is not None: the service has a default for the rest."""
     return {name: value for name, value in (params or {}).items() if value is not None}

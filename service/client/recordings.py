@@ -1,19 +1,15 @@
-"""Recordings: uploaded, listed, inspected."""
+"""Recordings: uploaded, listed, inspected, downloaded, deleted."""
 
-import tempfile
-import zipfile
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
 
 from calib.errors import InputError
 from calib.recording.commit_log import commit_path
 from service.api.answers.recording import RecordingAnswer, RecordingPage
 from service.client.link import Link
+from service.client.packing import ZIP, in_folder, packed
 
-_ZIP = {"Content-Type": "application/zip"}
-_AT_ONCE_BYTES = 1 << 20
+_PLACE = "/v1/recordings"
 
 
 class Recordings:
@@ -31,47 +27,41 @@ class Recordings:
         Raises:
             InputError: `not-a-recording`; nothing is sent then.
         """
-        with _packed(Path(recording)) as archive:
+        with packed(Path(recording), _files) as archive:
             return self._link.post(
                 RecordingAnswer,
-                "/v1/recordings",
+                _PLACE,
                 params={"name": name},
-                content=iter(lambda: archive.read(_AT_ONCE_BYTES), b""),
-                headers=_ZIP,
+                content=archive,
+                headers=ZIP,
             )
 
     def get(self, digest: str) -> RecordingAnswer:
         """Inspect a recording."""
-        return self._link.get(RecordingAnswer, f"/v1/recordings/{digest}")
+        return self._link.get(RecordingAnswer, f"{_PLACE}/{digest}")
 
     def all(
         self, *, serial: str | None = None, band: str | None = None
     ) -> Iterator[RecordingAnswer]:
         """Yield every recording, newest first."""
-        return self._link.pages(RecordingPage, "/v1/recordings", serial=serial, band=band)
+        return self._link.pages(RecordingPage, _PLACE, serial=serial, band=band)
 
+    def download(self, digest: str, out: Path | str) -> Path:
+        """Write a recording to `out`: a zip, as `upload` takes it."""
+        return self._link.download(f"{_PLACE}/{digest}/file", out)
 
-@contextmanager
-def _packed(recording: Path) -> Iterator[IO[bytes]]:
-    """Give the archive of a recording, open for reading."""
-    if recording.suffix == ".zip" and recording.is_file():
-        with recording.open("rb") as archive:
-            yield archive
-        return
-    files = _files(recording)
-    with tempfile.TemporaryFile() as archive:
-        # Frames hardly shrink, and the bench's network is quicker than deflating them.
-        with zipfile.ZipFile(archive, "w", zipfile.ZIP_STORED) as packing:
-            for name, file in files.items():
-                packing.write(file, name)
-        archive.seek(0)
-        yield archive
+    def delete(self, digest: str) -> None:
+        """Delete a recording for good.
+
+        Raises:
+            ProblemError: `recording-in-use` while a coefficient set, a run or a job needs it.
+        """
+        self._link.ask("DELETE", f"{_PLACE}/{digest}")
 
 
 def _files(recording: Path) -> dict[str, Path]:
     if (recording / "recording.toml").is_file():
-        files = sorted(path for path in recording.rglob("*") if path.is_file())
-        return {str(path.relative_to(recording)): path for path in files}
+        return in_folder(recording)
     both = (recording, commit_path(recording))
     if recording.suffix == ".h5" and all(path.is_file() for path in both):
         return {path.name: path for path in both}

@@ -6,13 +6,15 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import httpx2
+from pydantic import TypeAdapter
 
 from service.api.answers.run import EventAnswer, PlanAnswer, RunAnswer, RunPage
-from service.client.errors import ServiceLostError, WorkFailedError
+from service.client.endings import FINAL, succeeded
+from service.client.errors import ServiceLostError
 from service.client.link import Link
 
-FINAL = frozenset({"succeeded", "failed", "cancelled", "interrupted"})
 _AGAIN_S = 0.2
+_EVENTS = TypeAdapter(tuple[EventAnswer, ...])
 
 
 class Runs:
@@ -86,6 +88,17 @@ class Runs:
                     raise ServiceLostError(self._link.url, error) from error
             time.sleep(_AGAIN_S)
 
+    def journal(self, run_id: str, *, after: int = 0) -> Iterator[EventAnswer]:
+        """Yield what a run has said so far, behind the event `after`; waits for nothing."""
+        place = f"/v1/runs/{run_id}/journal"
+        while True:
+            told = self._link.ask("GET", place, params={"after": after}, repeatable=True)
+            events = _EVENTS.validate_json(told)
+            if not events:
+                return
+            yield from events
+            after = events[-1].number
+
     def wait(self, run_id: str) -> RunAnswer:
         """Return the run once it has succeeded.
 
@@ -94,13 +107,7 @@ class Runs:
         """
         for _ in self.follow(run_id):
             pass
-        run = self.get(run_id)
-        if run.state != "succeeded":
-            told = f"run {run_id} is {run.state}"
-            text = told if run.error is None else f"{told}: {run.error.message}"
-            code = f"run-{run.state}" if run.error is None else run.error.code
-            raise WorkFailedError(text, code=code, state=run.state)
-        return run
+        return succeeded("run", self.get(run_id))
 
     def _command(self, run_id: str, command: str) -> RunAnswer:
         return self._link.post(RunAnswer, f"/v1/runs/{run_id}/{command}", repeatable=True)

@@ -2,13 +2,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from fastapi.testclient import TestClient
 
 from service.app import create_app
 from service.client import Client
 from service.settings import Settings
 from service.store.store import Store
 from tests.service.cli.a_recording import plan_file, recording_file
+from tests.service.client.answering import asking
 
 __all__ = ["plan_file", "recording_file"]
 
@@ -20,15 +20,9 @@ def settings(tmp_path: Path) -> Settings:
 
 @pytest.fixture
 def client(settings: Settings) -> Iterator[Client]:
-    """A client whose requests are answered in this process: Starlette's is one of httpx2."""
-    app = create_app(settings)
-    with (
-        TestClient(app, base_url="http://127.0.0.1", raise_server_exceptions=False) as answering,
-        Client() as asking,
-    ):
-        asking._link._http.close()
-        asking._link._http = answering
-        yield asking
+    """A client of a service without a bench."""
+    with asking(create_app(settings)) as asked:
+        yield asked
 
 
 @pytest.fixture

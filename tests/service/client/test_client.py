@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from service.client import Client, ProblemError, ServiceLostError, WorkFailedErr
 from service.store.actor import Actor
 from service.store.store import Store
 from tests.service.api.packing import as_files
+from tests.service.client.answering import answered_by
 from tests.service.store.a_store import a_set, certified, day, verified
 
 
@@ -65,14 +65,6 @@ def test_a_service_without_a_bench_says_so(client: Client) -> None:
     with pytest.raises(ProblemError) as refused:
         client.safe_off()
     assert refused.value.code == "no-bench"
-
-
-def answered_by(service: Callable[[httpx2.Request], httpx2.Response]) -> Client:
-    client = Client(patience_s=30.0)
-    client._link._http.close()
-    transport = httpx2.MockTransport(service)
-    client._link._http = httpx2.Client(base_url="http://bench", transport=transport)
-    return client
 
 
 RUN: dict[str, Any] = {
