@@ -17,6 +17,7 @@ from calib.errors import InputError
 from service.store.actor import Actor
 from service.store.engine import reading_session, writing_session
 from service.store.errors import NotInStoreError
+from service.store.find import find
 from service.store.in_force import check_range, holding, same_setting, standing_in_the_way
 from service.store.lives import check_reason, enter, supersede
 from service.store.pages import Page, page
@@ -199,12 +200,9 @@ def _new_row(coefficients: "CoefficientSet", by: Actor) -> SetRow:
 
 
 def _find(session: Session, set_id: str) -> SetRow:
-    known = session.scalar(select(SetRow).where(SetRow.id == set_id))
-    if known is not None:
-        return known
     if _SHORTEST_PREFIX <= len(set_id) < 64 and set_id.isalnum():
         rows = session.scalars(select(SetRow).where(SetRow.id.startswith(set_id))).all()
         if len(rows) == 1:
             return rows[0]
     msg = f"the store has no coefficient set {set_id!r}, or several that begin so; list them"
-    raise NotInStoreError(msg)
+    return find(session, SetRow, SetRow.id, set_id, else_=msg)

@@ -8,7 +8,8 @@ from sqlalchemy import Engine, func, select, update
 from sqlalchemy.orm import Session
 
 from service.store.engine import reading_session, writing_session
-from service.store.errors import NotInStoreError, StoreError
+from service.store.errors import StoreError
+from service.store.find import find
 from service.store.pages import Page, page
 from service.store.plain_json import plain
 from service.store.records import JobRecord, JobState
@@ -98,8 +99,4 @@ class Jobs:
 
 
 def _find(session: Session, job_id: str) -> JobRow:
-    row = session.scalar(select(JobRow).where(JobRow.id == job_id))
-    if row is None:
-        msg = f"there is no job {job_id!r}; list them"
-        raise NotInStoreError(msg)
-    return row
+    return find(session, JobRow, JobRow.id, job_id, else_=f"there is no job {job_id!r}; list them")

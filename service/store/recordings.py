@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 from service.store.actor import Actor
 from service.store.audit import append
 from service.store.engine import reading_session, writing_session
-from service.store.errors import NotInStoreError
+from service.store.find import find
 from service.store.pages import Page, page
 from service.store.plain_json import plain
 from service.store.records import RecordingRecord
@@ -105,11 +105,8 @@ class Recordings:
 
 
 def _find(session: Session, digest: str) -> RecordingRow:
-    row = session.scalar(select(RecordingRow).where(RecordingRow.digest == digest))
-    if row is None:
-        msg = f"the store has no recording {digest!r}; register it first"
-        raise NotInStoreError(msg)
-    return row
+    msg = f"the store has no recording {digest!r}; register it first"
+    return find(session, RecordingRow, RecordingRow.digest, digest, else_=msg)
 
 
 def _new_row(recording: "Recording", digest: str, name: str, path: str, by: str) -> RecordingRow:

@@ -11,7 +11,8 @@ from sqlalchemy.orm import Session
 from service.store.actor import Actor
 from service.store.audit import append
 from service.store.engine import reading_session, writing_session
-from service.store.errors import NotInStoreError, StoreError
+from service.store.errors import StoreError
+from service.store.find import find
 from service.store.pages import Page, page
 from service.store.plain_json import plain
 from service.store.run_records import (
@@ -202,8 +203,4 @@ def _same(row: RunRow, digest: str) -> RunRow:
 
 
 def _find(session: Session, run_id: str) -> RunRow:
-    row = session.scalar(select(RunRow).where(RunRow.id == run_id))
-    if row is None:
-        msg = f"there is no run {run_id!r}; list them"
-        raise NotInStoreError(msg)
-    return row
+    return find(session, RunRow, RunRow.id, run_id, else_=f"there is no run {run_id!r}; list them")

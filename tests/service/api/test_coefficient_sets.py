@@ -16,6 +16,12 @@ CERTIFY: dict[str, Any] = {"reason": "annual", "valid_from": "2026-01-01T00:00:0
 LOOKUP = {"serial": "B0001", "band": "NIR", "gain": "0", "bit_depth": "12"}
 
 
+@pytest.fixture
+def store_url(url: str) -> str:
+    """Each test on SQLite and on PostgreSQL."""
+    return url
+
+
 def test_a_set_is_verified_certified_found_and_revoked(client: TestClient, store: Store) -> None:
     set_id = store.sets.add(a_set(), by=Actor("ada")).id
     place = f"{PLACE}/{set_id}"

@@ -31,7 +31,8 @@ from service.settings import Settings
 from service.store.store import Store
 from tests.calib.mtf.simulated import ORDERS_12, SMALL, record
 from tests.service.api.packing import as_files, packed
-from tests.service.api.test_calibrations import Asleep, ended
+from tests.service.api.test_calibration_jobs import Asleep
+from tests.service.api.test_calibrations import ended
 from tests.service.cli.answers import Ran
 from tests.service.cli.conftest import home, run
 

@@ -22,6 +22,12 @@ ADA = Actor("ada")
 
 
 @pytest.fixture
+def store_url(url: str) -> str:
+    """Each test on SQLite and on PostgreSQL."""
+    return url
+
+
+@pytest.fixture
 def imported(client: TestClient, recording_file: Path) -> str:
     return str(upload(client, as_files(recording_file), name="sweep 3").json()["digest"])
 

@@ -50,6 +50,12 @@ class Work:
 
 
 @pytest.fixture
+def store_url(url: str) -> str:
+    """Each test on SQLite and on PostgreSQL."""
+    return url
+
+
+@pytest.fixture
 def work(client: Client, monkeypatch: pytest.MonkeyPatch) -> type[Work]:
     monkeypatch.setattr(Work, "heard", threading.Event(), raising=False)
     monkeypatch.setattr(Work, "requests", {}, raising=False)

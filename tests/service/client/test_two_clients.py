@@ -20,7 +20,7 @@ from service.api.answers.bench import LampsOff
 from service.app import create_app
 from service.bench.settings import BenchSettings
 from service.client import Client, ProblemError
-from service.client.runs import FINAL
+from service.client.endings import FINAL
 from service.plan.model import Plan
 from service.settings import Settings
 from service.store.actor import Actor
