@@ -18,7 +18,7 @@ PROOF ?= --size part
 setup: $(VENV)/ready
 
 $(VENV)/ready: requirements.lock tests/sample-data.lock pyproject.toml docker/install-system.sh
-	docker/install-system.sh
+	docker/install-system.sh service tests
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --upgrade pip
 	$(BIN)/pip install --quiet --require-hashes -r requirements.lock

@@ -1,12 +1,23 @@
 #!/usr/bin/env bash
-# System packages that darkflat needs on Debian 12 or Ubuntu 22.04 and later: Aravis with its
-# introspection data, what PyGObject is built with, a PostgreSQL server for the store's tests and the
-# browser for the page's. Used by `make setup`, CI and the image.
-# Does nothing where they are there already.
+# System packages that darkflat needs on Debian 12 or Ubuntu 22.04 and later. The image asks for
+# `service`, a checkout (`make setup`, and so CI) for `service tests`. Does nothing where they are
+# there already.
 set -euo pipefail
 
-packages=(gir1.2-aravis-0.8 libgirepository1.0-dev gcc pkg-config libcairo2-dev python3-venv make
-    postgresql chromium)
+# Aravis with its introspection data, and what PyGObject is built with.
+service=(gir1.2-aravis-0.8 libgirepository1.0-dev gcc pkg-config libcairo2-dev python3-venv)
+# What runs the checkout, a PostgreSQL server for the store's tests, the browser for the page's.
+tests=(make postgresql chromium)
+
+packages=()
+for needs in "$@"; do
+    case "$needs" in
+        service) packages+=("${service[@]}") ;;
+        tests) packages+=("${tests[@]}") ;;
+        *) echo "usage: $0 [service] [tests]" >&2; exit 2 ;;
+    esac
+done
+[ "${#packages[@]}" -gt 0 ] || { echo "usage: $0 [service] [tests]" >&2; exit 2; }
 
 missing=()
 for package in "${packages[@]}"; do
