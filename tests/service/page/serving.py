@@ -44,13 +44,13 @@ def serving(home: Path) -> Iterator[str]:
     ) as process:
         try:
             assert process.stdout is not None
-            yield str(json.loads(_answer(process))["url"])
+            yield str(json.loads(answer_of(process))["url"])
         finally:
             process.terminate()
             assert process.wait(30) == 0
 
 
-def _answer(process: subprocess.Popen[str]) -> str:
+def answer_of(process: subprocess.Popen[str]) -> str:
     """Return the JSON object that the server prints once it listens."""
     assert process.stdout is not None
     text = ""
