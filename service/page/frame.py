@@ -9,7 +9,7 @@ from nicegui import ui
 
 from service.api.access import AccessError
 from service.api.answers.bench import LampsOff
-from service.page.guard import PLACE
+from service.page.page_headers import PLACE
 from service.page.sign_in import HERE
 from service.page.visitor import SIGN_IN, Visitor, say
 from service.store.actor import Actor

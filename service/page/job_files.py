@@ -6,7 +6,7 @@ from nicegui import ui
 from starlette.concurrency import run_in_threadpool
 
 from service.api.jobs_routes import get_job_file
-from service.page.guard import PLACE
+from service.page.page_headers import PLACE
 from service.page.visitor import Visitor
 from service.store.keys import Scope
 

@@ -6,7 +6,7 @@ from contextlib import asynccontextmanager
 from fastapi import FastAPI
 from fastapi.responses import RedirectResponse
 from nicegui import app as gui
-from nicegui import ui
+from nicegui import core, ui
 from starlette.middleware import Middleware
 
 from calib.errors import DarkflatError
@@ -20,8 +20,8 @@ from service.page import (  # noqa: F401  (each registers its view)
     runs,
     sign_in,
 )
-from service.page.guard import PLACE, Guard
 from service.page.live import Live
+from service.page.page_headers import PLACE, PageHeaders
 from service.page.sessions import Sessions
 
 _RECONNECT_S = 10.0
@@ -38,8 +38,9 @@ def mount_page(app: FastAPI) -> None:
         raise DarkflatError(msg, code="page-mounted")
     app.state.sessions = Sessions()
     gui.state = app.state  # its requests find the service's parts where the API's do
-    # A poll is an ordinary request, which other sites may send; only sockets say where from.
+    # A poll is an ordinary request, which other sites may send; sockets always say where from.
     gui.config.socket_io_js_transports = ["websocket"]
+    core.sio.eio.transports = ["websocket"]
     app.include_router(sign_in.router)
     app.include_router(job_files.router)
     _watch_bench(app)
@@ -58,8 +59,8 @@ def mount_page(app: FastAPI) -> None:
         reconnect_timeout=_RECONNECT_S,
         show_welcome_message=False,
     )
-    # The innermost: what guards all of the service comes first, and adds no weaker headers.
-    app.user_middleware.append(Middleware(Guard))
+    # The innermost: what guards all of the service comes first, and may say more of an answer.
+    app.user_middleware.append(Middleware(PageHeaders))
 
 
 def _watch_bench(app: FastAPI) -> None:

@@ -8,7 +8,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from jinja2 import Environment, FileSystemLoader
 
 from service.api.access import AccessError, who_asks
-from service.page.guard import PLACE
+from service.page.page_headers import PLACE
 from service.page.sessions import COOKIE, LASTS_S
 from service.page.visitor import SIGN_IN, parts_of, sessions_of
 from service.store.keys import Scope

@@ -10,8 +10,8 @@ from starlette.concurrency import run_in_threadpool
 from calib.errors import DarkflatError
 from service.api.access import AccessError, who_asks
 from service.api.dependencies import Parts
-from service.page.guard import PLACE
 from service.page.live import Live
+from service.page.page_headers import PLACE
 from service.page.sessions import COOKIE, Sessions
 from service.runs.commands import RunCommands
 from service.store.actor import Actor

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import urlsplit
 
+import httpx2
 import pytest
 from playwright.sync_api import Page, expect, sync_playwright
 from sqlalchemy import delete
@@ -255,8 +256,25 @@ def test_browsers_are_told_what_the_page_may_load(watched: Watched, store: Store
     ):
         headers = watched.page.request.get(path).headers
         assert headers["content-security-policy"].startswith(policy)
-        assert "," not in headers["referrer-policy"]
-    assert watched.page.request.post("/page/sign-out").status == 403  # it says of no page
+        assert headers["referrer-policy"] == "same-origin"
+        assert headers["x-frame-options"] == "DENY"
+
+
+def test_pages_of_other_sites_neither_send_its_forms_nor_open_its_socket(watched: Watched) -> None:
+    socket = f"{watched.url}/page/_nicegui_ws/socket.io/?EIO=4&transport="
+    upgrade = {
+        "Connection": "Upgrade",
+        "Upgrade": "websocket",
+        "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
+        "Sec-WebSocket-Version": "13",
+    }
+    for origin in ("http://evil.example", "null", f"{watched.url}.evil.example"):
+        foreign = {"Origin": origin}
+        form = httpx2.post(f"{watched.url}/page/sign-out", headers=foreign)
+        assert (form.status_code, form.json()["code"]) == (403, "foreign-page")
+        opened = httpx2.get(f"{socket}websocket", headers={**upgrade, **foreign})
+        assert opened.status_code == 403
+        assert httpx2.get(f"{socket}polling", headers=foreign).status_code == 400
 
 
 def test_views_lead_to_each_other(watched: Watched) -> None:
