@@ -21,6 +21,7 @@ from calib.radiometric.estimation.selection import CLIP_SIGMA
 from calib.radiometric.estimation.source_uncertainty import SourceUncertainty
 from calib.radiometric.estimation.vignette import ORDERS
 from calib.radiometric.uniformity import (
+    HELD_OUT_EVERY,
     Uniformity,
     held_out_lines,
     nearest_to_half_scale,
@@ -32,8 +33,6 @@ from calib.recording.header import RecordingHeader
 from calib.recording.protocol import Recording
 from calib.recording.statistics import column_statistics, never
 from calib.recording.tone import Tone
-
-HELD_OUT_EVERY = 8
 
 
 def calibrate(

@@ -15,6 +15,8 @@ from calib.arrays import Columns, RawLines
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.block_statistics import BlockStatistics
 
+HELD_OUT_EVERY = 8
+"""One line of so many of a block has no part in the fit."""
 LINES_AT_MOST = 2048
 LINES_AT_ONCE = 8
 """What is worked out for so few lines stays in a core's cache."""
@@ -90,7 +92,7 @@ def uniformity(
     )
     before, after = _before_and_after(coefficients, mean_line, exposure)
     above = mean_line - coefficients.dark_level_dn(exposure)
-    cleaned = _percent((above / coefficients.vignette)[:, coefficients.valid])
+    cleaned = variation_percent((above / coefficients.vignette)[:, coefficients.valid])
     return Uniformity(
         block=held_out.block.block,
         n_lines=held_out.n_lines,
@@ -110,10 +112,12 @@ def _before_and_after(
     codes = dn[:, use].astype(np.float64)
     above = codes - coefficients.dark_level_dn(exposure_us)[use]
     radiance = above * (1.0 / (coefficients.slope[use] * exposure_us))
-    return _percent(codes * (1.0 / coefficients.vignette[use])), _percent(radiance)
+    return variation_percent(codes * (1.0 / coefficients.vignette[use])), variation_percent(
+        radiance
+    )
 
 
-def _percent(values: Columns) -> Columns:
+def variation_percent(values: Columns) -> Columns:
     """Return 100·standard deviation / mean along the columns, (n_lines,)."""
     mean = values.mean(axis=1)
     away = values - mean[:, None]

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from calib.radiometric.calibrate import HELD_OUT_EVERY
 from calib.radiometric.calibration import Calibration
 from calib.radiometric.report.page import write_report
+from calib.radiometric.uniformity import HELD_OUT_EVERY
 from calib.recording.protocol import Recording
 from calib.recording.statistics import column_statistics
 from calib.recording.tone import Tone

@@ -9,7 +9,7 @@ from service.page.figures.live import profile, waterfall
 from service.page.frame import keep_fresh, view
 from service.page.live import Live
 from service.page.run_stand import Tail, name_of, stand
-from service.page.tables import facts
+from service.page.tables import facts, numbers
 from service.page.visitor import Visitor, say
 from service.store.keys import Scope
 
@@ -70,16 +70,7 @@ def _draw_devices(devices: Sequence[DeviceLook]) -> None:
         lamps, others = _lamps(device), _others(device)
         facts({"device": device.identity or "unnamed", **others})
         if lamps:
-            _draw_lamps(lamps)
-
-
-def _draw_lamps(lamps: Sequence[tuple[str, ...]]) -> None:
-    with ui.element("table").classes("df-lamps").props('aria-label="Lamps"'):
-        for tag, row in [("th", ("lamp", "", "current / A", "hours")), *(("td", r) for r in lamps)]:
-            with ui.element("tr"):
-                for cell in row:
-                    with ui.element(tag):
-                        ui.label(cell)
+            numbers("Lamps", ("lamp", "", "current / A", "hours"), lamps)
 
 
 def _lamps(device: DeviceLook) -> list[tuple[str, ...]]:

@@ -84,6 +84,7 @@ class _Detail:
         self._all.clear()
         with self._all:
             ui.label(f"Set {record.id[:8]}, {record.state}").classes("df-subtitle")
+            ui.link("Before and after its correction", f"/correction?set={record.id}")
             draw_life(self._visitor, record, self.show)
             facts(_summary(record))
         await self._redraw()

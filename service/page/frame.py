@@ -22,6 +22,8 @@ VIEWS: Final = {
     "/runs": "Runs",
     "/recordings": "Recordings",
     "/coefficient-sets": "Coefficient sets",
+    "/correction": "Correction",
+    "/sensor": "Sensor",
     "/diagnosis": "Diagnosis",
     "/audit": "Audit",
 }

@@ -1,5 +1,7 @@
 """Long work: how far each job is, and its end by hand."""
 
+from typing import Final
+
 from nicegui import ui
 
 from service.api.jobs_routes import cancel_job
@@ -11,6 +13,12 @@ from service.store.keys import Scope
 from service.store.records import JobRecord
 
 _SHOWN = 6
+_VIEWS: Final = {
+    "diagnose": "diagnosis",
+    "photon-transfer": "sensor",
+    "transfer-function": "sensor",
+}
+"""Where the figures of a kind of job are."""
 
 
 class JobList:
@@ -47,6 +55,8 @@ class JobList:
                 ui.button("Cancel", on_click=lambda: self._cancel(job.id)).props(
                     f'outline dense no-caps aria-label="Cancel {job.kind}"'
                 )
+            if job.state == "succeeded" and job.kind in _VIEWS:
+                ui.link("Figures", f"/{_VIEWS[job.kind]}?job={job.id}")
         draw_files(self._visitor, job.id)
         if job.error_message is not None:
             ui.label(job.error_message).classes("df-trouble")

@@ -14,10 +14,12 @@ from service.page import (  # noqa: F401  (each registers its view)
     audit,
     bench,
     coefficient_sets,
+    correction,
     diagnosis,
     job_files,
     recordings,
     runs,
+    sensor,
     sign_in,
 )
 from service.page.live import Live

@@ -82,6 +82,7 @@ class _Detail:
             for warning in kept.warnings:
                 ui.label(warning).classes("df-trouble")
             self._work(kept)
+            ui.link("Before and after a correction", f"/correction?recording={kept.digest}")
             facts({"digest": kept.digest, "started": kept.started_at, **_camera(kept.header)})
             _blocks(kept.header)
 

@@ -62,6 +62,16 @@ def facts(values: Mapping[str, object]) -> None:
                 ui.label(text(value))
 
 
+def numbers(label: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Show a few numbers side by side: no pages, no buttons."""
+    with ui.element("table").classes("df-numbers").props(f'aria-label="{label}"'):
+        for tag, row in [("th", head), *(("td", each) for each in rows)]:
+            with ui.element("tr"):
+                for cell in row:
+                    with ui.element(tag):
+                        ui.label(cell)
+
+
 def text(value: object) -> str:
     """Return a value as a person reads it; a dash where there is none."""
     match value:

@@ -11,7 +11,8 @@ Figure = dict[str, Any]
 
 FIRST: Final = "#1f77d0"
 SECOND: Final = "#e07b00"
-"""Both at least 3 : 1 against white and against the dark page (WCAG 2.2, 1.4.11)."""
+SOFT: Final = "#808a96"
+"""All at least 3 : 1 against white and against the dark page (WCAG 2.2, 1.4.11)."""
 
 
 def packed(values: ArrayLike) -> dict[str, str]:
@@ -34,10 +35,16 @@ def figure(data: list[dict[str, Any]], *, x: str, y: str, **layout: Any) -> Figu
             "paper_bgcolor": "rgba(0,0,0,0)",
             "plot_bgcolor": "rgba(0,0,0,0)",
             "font": {"family": "system-ui, sans-serif", "size": 12, "color": "#808080"},
-            "margin": {"l": 60, "r": 12, "t": 10, "b": 36},
+            "margin": {"l": 60, "r": 12, "t": 26 if layout.get("showlegend") else 10, "b": 36},
             "xaxis": {"title": {"text": x, "standoff": 4}, **grid},
             "yaxis": {"title": {"text": y}, **grid},
-            "legend": {"orientation": "h", "y": 1.12, "x": 0},
+            "legend": {
+                "orientation": "h",
+                "traceorder": "normal",
+                "y": 1.0,
+                "yanchor": "bottom",
+                "x": 0,
+            },
             "showlegend": False,
             "modebar": {"bgcolor": "rgba(0,0,0,0)"},
             **layout,
@@ -69,3 +76,26 @@ def banded(
             "name": name,
         },
     ]
+
+
+def dots(
+    x: ArrayLike, y: ArrayLike, std: ArrayLike, *, name: str, color: str = FIRST
+) -> dict[str, Any]:
+    """Return points with bars of two standard uncertainties (k = 2) to each side, all (n,)."""
+    bars = {"array": packed(2.0 * np.asarray(std)), "thickness": 1.2, "width": 3, "color": color}
+    return {
+        "x": packed(x),
+        "y": packed(y),
+        "mode": "markers",
+        "marker": {"color": color, "size": 7},
+        "error_y": {"type": "data", **bars},
+        "name": name,
+    }
+
+
+def straight(over: ArrayLike, offset: float, slope: float, *, name: str) -> dict[str, Any]:
+    """Return a straight line from 0 to the largest of `over`."""
+    ends = np.array([0.0, np.max(np.asarray(over))])
+    line = {"color": SECOND, "width": 1.4}
+    y = packed(offset + slope * ends)
+    return {"x": packed(ends), "y": y, "mode": "lines", "line": line, "name": name}
