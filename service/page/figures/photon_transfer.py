@@ -68,7 +68,8 @@ class Points:
 def mean_variance(points: Points) -> Figure:
     """Temporal variance against signal, and the straight line of the system gain."""
     line = straight(points.signal_dn, 0.0, points.gain, name=f"{points.gain:.4g} DN/e⁻ (EMVA)")
-    traces = [line, *_split(points, points.signal_dn, points.variance_dn2, points.variance_std)]
+    flats = _split(points, points.signal_dn, points.variance_dn2, points.variance_std)
+    traces = [line, *flats] if np.isfinite(points.gain) else flats
     return figure(traces, x=_SIGNAL, y="σ² − σ²<sub>dark</sub><br>DN²", showlegend=True)
 
 
@@ -82,7 +83,8 @@ def linearity(points: Points) -> Figure:
     """Signal against light, and the straight line of the least relative deviation."""
     line = straight(points.light, points.offset, points.slope, name="straight line")
     measured = dots(points.light, points.signal_dn, points.signal_std, name="flats")
-    return figure([line, measured], x=points.light_name, y=_SIGNAL, showlegend=True)
+    traces = [line, measured] if np.isfinite(points.slope) else [measured]
+    return figure(traces, x=points.light_name, y=_SIGNAL, showlegend=True)
 
 
 def linearity_residuals(points: Points) -> Figure:

@@ -10,10 +10,29 @@ from playwright.sync_api import Page, sync_playwright
 from calib.forward.model import Model
 from service.cli.simulated_recording import simulate_recording
 from service.plan.model import Plan
-from tests.service.cli.a_recording import PLAN
 from tests.service.page.filled import fill_store
 from tests.service.page.serving import SIZE, browser, serving
 
+RECORDED = """
+name = "sixteen flats"
+lines = 512
+frame_lines = 64
+
+[sweep]
+type = "factorial"
+exposures_us = [10.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 150.0]
+levels = [2.0, 4.0]
+
+[camera]
+line_period_us = 200.0
+pixel_format = "Mono12"
+columns = 1024
+serial = "D0001"
+band = "NIR"
+
+[source]
+radiance = { 2 = 20.1, 4 = 40.2 }
+"""
 SWEEP = """
 name = "gallery sweep"
 lines = 512
@@ -41,20 +60,28 @@ def main() -> None:
         home = Path(folder) / "home"
         recording = Path(folder) / "recording.h5"
         scenes = Path(folder) / "scenes"
-        plan = Plan.loads(PLAN.replace("lines = 64", "lines = 256"))
+        plan = Plan.loads(RECORDED)
         simulate_recording(Model.preset("demo"), plan, recording, seed=17, scenes_folder=scenes)
         digest, set_id = fill_store(home, recording)
         with serving(home) as url, sync_playwright() as playwright:
             started = browser(playwright)
+            take_photon_transfer(started.new_page(base_url=url), digest)
             for scheme in ("light", "dark"):
                 context = started.new_context(viewport=SIZE, base_url=url, color_scheme=scheme)
                 draw(context.new_page(), out, scheme, digest, set_id)
             started.close()
 
 
+def take_photon_transfer(page: Page, digest: str) -> None:
+    page.goto(f"/page/recordings?recording={digest}")
+    page.get_by_role("button", name="Photon transfer").click()
+    page.get_by_text("photon-transfer: succeeded").wait_for(timeout=300_000)
+
+
 def draw(page: Page, out: Path, scheme: str, digest: str, set_id: str) -> None:
     def taken(name: str) -> None:
-        page.wait_for_timeout(1500)
+        page.wait_for_load_state("load")
+        page.wait_for_timeout(2500)
         page.screenshot(path=out / f"page-{name}-{scheme}.png")
 
     page.goto("/page/runs")
@@ -75,6 +102,13 @@ def draw(page: Page, out: Path, scheme: str, digest: str, set_id: str) -> None:
     page.get_by_label("Compare with").click()
     page.get_by_role("option").first.click()
     taken("comparison")
+    page.goto(f"/page/correction?set={set_id}")
+    taken("correction")
+    page.goto("/page/sensor")
+    page.get_by_role("button", name="Show Photon transfer").first.click()
+    taken("photon-transfer")
+    page.get_by_role("button", name="Show MTF").first.click()
+    taken("mtf")
     page.goto("/page/diagnosis")
     page.get_by_role("button", name="Show").first.click()
     taken("diagnosis")

@@ -76,9 +76,10 @@ def browser(playwright: Playwright) -> Browser:
 _HAS_DATA = """([name, points]) => {
     const plot = document.querySelector(`.js-plotly-plot[aria-label="${name}"]`);
     return (plot?.calcdata ?? []).some(trace => {
-        const row = trace[0]?.z?.[0] ?? trace.map(point => point.s ?? point.y);
-        return row.length >= points && Array.from(row).every(Number.isFinite)
-            && (points < 2 || new Set(row).size > 1);
+        const z = trace[0]?.z;
+        const row = Array.from(z ? z[z.length >> 1] : trace.map(point => point.s ?? point.y));
+        const known = row.filter(Number.isFinite);
+        return known.length >= points && (points < 2 || new Set(known).size > 1);
     });
 }"""
 """Of what is really drawn, not of what was sent."""
@@ -136,5 +137,8 @@ class Watched:
         self.seen_buttons |= {_kind(name.strip()) for name in names}
 
     def wait_for_data(self, figure: str, points: int) -> None:
-        """Wait until a figure of that name has that many numbers in a row of it, not all equal."""
+        """Wait until a figure of that name has that many numbers in a row of it, not all equal.
+
+        Of a map, in the one in the middle.
+        """
         self.page.wait_for_function(_HAS_DATA, arg=[figure, points])
