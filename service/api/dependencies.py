@@ -76,7 +76,6 @@ async def _commands(known: PartsDep, keeper: Annotated[RunKeeper, Depends(_keepe
     return RunCommands(known.store, keeper)
 
 
-PartsDep = Annotated[Parts, Depends(parts)]
 StoreDep = Annotated[Store, Depends(_store)]
 SettingsDep = Annotated[Settings, Depends(_settings)]
 RunnerDep = Annotated[JobRunner, Depends(_runner)]
