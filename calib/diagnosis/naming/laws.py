@@ -19,6 +19,7 @@ from calib.diagnosis.naming.signatures import Signature
 from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.counts import grouped
 from calib.forward.departure import Variable
+from calib.forward.effect import Stage
 
 Floats = NDArray[np.float64]
 
@@ -65,6 +66,10 @@ def laws(signature: Signature, evidence: Evidence) -> Laws:
     if variable in {"signal", "code", "column"}:
         of_pixels = _farther if variable == "column" else _bends if smooth else _corners
         parts = tuple(of_pixels(change, evidence))
+        if effect.stage is Stage.CHARGE:
+            # A border moves the flux of both its pixels or of one more than of the other: profiles
+            # lose up to twice as much for the same covariances.
+            parts = (*parts, replace(change * 0.0, means=change.means))
         return Laws(parts, np.eye(len(parts)), len(parts))
     values, place = np.unique(
         _of_blocks(str(variable), evidence, smooth=smooth), return_inverse=True

@@ -43,7 +43,9 @@ class BrighterFatter(Departure):
     The boundary's shift grows with q1 - q2 as the charge gathers, on average half of its last, and
     sweeps a flux that gave (q1 + q2) / 2. About a flat's mean mu that is a mu / 2 times the
     difference, whence C = a mu^2 between the two, and a variance of mu - mu^2 times the sum of a
-    over all neighbours. Charge that has been moved repels from where it is: of that, what follows
+    over all neighbours. Where charge sends away what comes to its own pixel instead, profiles lose
+    a / 2 of the difference of squares for the same covariances: how the two go together is left
+    open to the diagnosis. Charge that has been moved repels from where it is: of that, what follows
     in a and mu is kept up to the third order, which holds covariances to 1 % up to a sum of
     a mu = 0.3. In a line only neighbours along it count: lines are not exposed side by side.
 
@@ -63,6 +65,7 @@ class BrighterFatter(Departure):
     )
     shows_in: ClassVar[Statistic] = "column_covariance"
     depends_on: ClassVar[tuple[Variable, ...]] = ("signal", "column")
+    any_law: ClassVar[Variable | None] = "column"
 
     row_per_e: float = parameter(1e-7, unit="1/e-", low=0.0, high=1e-2, neutral=0.0)
     column_per_e: float = parameter(2.7e-7, unit="1/e-", low=0.0, high=1e-2, neutral=0.0)

@@ -10,6 +10,7 @@ from calib.diagnosis.diagnose import responder_of, scales_of
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.laws import laws
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.search import find
 from calib.diagnosis.naming.shapes import shapes_of
@@ -91,3 +92,16 @@ def test_what_no_name_of_the_catalogue_does_gets_none() -> None:
     tilt = np.linspace(-1.0, 1.0, COLUMNS)
     # A source that turns before the lens.
     assert found_of(signal * (time - time.mean()), tilt, 60.0).members == ()
+
+
+def test_of_profiles_and_noise_brighter_fatter_may_take_different_shares_and_capacitance_not() -> (
+    None
+):
+    names = ("brighter_fatter", "interpixel_capacitance")
+    found = {s.shape.name: s for s in contest_of(clean(), names).signatures}
+    brighter, coupled = (found[name] for name in names)
+    *_, own = laws(brighter, clean()).parts
+    np.testing.assert_array_equal(own.means, brighter.change.means)
+    assert clean().product(clean().point(own), clean().point(own)) > 0.0
+    assert not np.any(own.pooled)
+    assert not any(np.any(part.means) for part in laws(coupled, clean()).parts)
