@@ -139,8 +139,10 @@ class Evidence:
 
     @cached_property
     def code_counts(self) -> CodeCounts:
-        """What the histogram of codes is compared with."""
-        return CodeCounts.of(self.sums, self.baseline)
+        """What the histogram of codes is compared with: it knows nothing of lines."""
+        shared = [self.common.shared_dn2(float(signal)) for signal in self.signal_dn]
+        variance = self.baseline.variance_dn2 + np.reshape(shared, (-1, 1, 1))
+        return CodeCounts.of(self.sums, replace(self.baseline, variance_dn2=variance))
 
     @cached_property
     def monitor(self) -> MonitorReadings:

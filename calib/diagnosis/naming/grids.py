@@ -89,7 +89,8 @@ def grid(
 ) -> tuple[object, ...]:
     """Return the values of a parameter that are tried, the likeliest first."""
     if told.choices:
-        return (value,) if name in {"tap_layout", "readout"} else told.choices
+        of_frames = name == "shared_by" and scales.camera.rows is None
+        return (value,) if of_frames or name in {"tap_layout", "readout"} else told.choices
     if isinstance(value, bool):
         return (False, True)
     if isinstance(value, int):

@@ -58,19 +58,15 @@ def _means(model: Model, evidence: Evidence) -> list[Look]:
     weight = evidence.space.weight
     columns = np.linspace(-1.0, 1.0, residual.shape[1])
     signal = (evidence.baseline.mean_dn - evidence.baseline.offset_dn).reshape(residual.shape)
-    looks = [
-        Look(
-            "mean", ("column",), float((residual**2).sum()),
-            float(evidence.space.degrees_of_freedom), (residual**2).sum(axis=1),
-        )
-    ]  # fmt: skip
+    # Pixels that move together, as the lines of a block do, are not far off one by one.
+    own = evidence.space.product(residual, residual)
+    freedom = float(evidence.space.degrees_of_freedom)
+    looks = [Look("mean", ("column",), own, freedom, (residual**2).sum(axis=1))]
     for depends, profile in (("time", np.ones_like(signal)), ("column", columns + 0 * signal)):
         energies, freedom = np.zeros(len(residual)), 0
         lines = evidence.n * evidence.sensor.n_rows
         common = evidence.common
-        shared = (
-            (common.fixed_dn2 + common.relative * evidence.signal_dn**2) * common.memory / lines
-        )
+        shared = [common.shared_dn2(float(s)) * common.memory for s in evidence.signal_dn] / lines
         for b in range(len(residual)):
             white = profile[b] * weight[b]
             length2 = float(white @ white)

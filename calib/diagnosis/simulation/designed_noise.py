@@ -81,13 +81,14 @@ class DesignedNoise(Moments):
         self._share = float(np.asarray(share)) if np.ndim(share) == 0 else None
 
     def standard_normal(self, size: Any = None, *_: Any, **__: Any) -> Any:
-        """Return designed numbers for all lines, for one line, or one number a line.
+        """Return designed numbers for all lines, for one line, or one number a row or line.
 
         After events, and of any other shape, they are drawn.
         """
         shape = size if isinstance(size, tuple) else () if size is None else (int(size),)
-        one_a_line = {self._shape[:1], (*self._shape[:-1], 1)}
-        if self.events or shape not in {self._shape, self._shape[1:], *one_a_line}:
+        n, *sample = self._shape
+        shared = {(n,), (*self._shape[:-1], 1), (n, *(1 for _ in sample))}
+        if self.events or shape not in {self._shape, self._shape[1:], *shared}:
             return self.chance.standard_normal(size)
         if not self._size:
             return np.zeros(shape)

@@ -35,6 +35,10 @@ class CommonNoise:
         """Return the variance that a line's pixels share at a signal, DN^2."""
         return self.fixed_dn2 + self.relative * signal_dn**2
 
+    def of_mean_of_rows(self, n_rows: int) -> float:
+        """Return which part of the shared variance is left of the mean of a frame's rows."""
+        return self.rows_share + (1.0 - self.rows_share) / n_rows
+
 
 def fit_common_noise(
     excess: Floats,

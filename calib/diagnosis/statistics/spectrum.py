@@ -28,9 +28,11 @@ def power_spectrum(flat: NDArray[np.generic], mean: Floats, cut: Floats) -> NDAr
     plane[np.abs(plane) > cut.astype(np.float32)] = 0.0
     n, n_pixels = PADDING * len(plane), plane.shape[1]
     power = np.empty((n, n_pixels // 2 + 1), np.float32)
+    shared = plane.sum(axis=1)
+    plane -= shared[:, None] / np.float32(n_pixels)
     running = fft.rfft(plane.ravel(), n * n_pixels, workers=2)
     _fold(np.asarray(running.real**2 + running.imag**2, np.float32), power)
-    common = fft.fft(plane.sum(axis=1), n)
+    common = fft.fft(shared, n)
     power[:, 0] = common.real**2 + common.imag**2
     power /= np.float32(plane.size)
     return power

@@ -51,7 +51,9 @@ class Peak:
         turns = self.cycles_along + self.cycles_per_line if self.cycles_along else 0.0
         along = np.exp(-2j * np.pi * turns * np.arange(n_pixels) / n_pixels)
         down = np.exp(-2j * np.pi * self.cycles_per_line * np.arange(n))
-        power = abs(down @ (lines - lines.mean()) @ along) ** 2
+        # What all pixels of a line have in common has a column of the spectrum of its own.
+        shared = lines.mean(axis=1, keepdims=True) if self.cycles_along else lines.mean()
+        power = abs(down @ (lines - shared) @ along) ** 2
         return float(power * (2.0 / (n * n_pixels)) ** 2)
 
     def frequencies_hz(self, line_period_s: float) -> tuple[float, ...]:

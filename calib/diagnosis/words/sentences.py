@@ -95,6 +95,8 @@ def _tap_drift(t: Telling) -> str:
     )
 
 
+_SHARED_BY = {"row": "columns of a line move", "frame": "pixels of a frame move"}
+
 SENTENCES: dict[str, Sentence] = {
     "lamp_drift": lambda t: (
         f"The lamp {t.either('amplitude', 'brightened', 'faded')} by "
@@ -168,8 +170,8 @@ SENTENCES: dict[str, Sentence] = {
         "partner reads at the same time: tap crosstalk."
     ),
     "line_noise": lambda t: (
-        f"All columns of a line move together, by {t.size('std_dn', 'DN')} from line to line: "
-        "line noise."
+        f"All {_SHARED_BY[getattr(t.effect, 'shared_by')]} together, by "  # noqa: B009 - its own
+        f"{t.size('std_dn', 'DN')} from one to the next: line noise."
     ),
     "banding": lambda t: (
         f"A tone of {t.size('amplitude_dn', 'DN')} at {t.size('frequency_hz', 'Hz')} runs through "

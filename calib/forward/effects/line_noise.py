@@ -1,7 +1,8 @@
-"""Line noise: each line, and each row of a frame, has an offset of its own.
+"""Line noise: each line, each row of a frame, or each frame as a whole, has an offset of its own.
 
 Source: EMVA Standard 1288, Release 4.0 Linear, the row part of the temporal noise: reference or
-supply noise that all columns of a line share.
+supply noise that all columns of a line share. Where the reference is sampled once for a frame, all
+of its rows share it.
 """
 
 from collections.abc import Sequence
@@ -22,10 +23,11 @@ from calib.recording.header import Block, CameraHeader
 
 @dataclass(frozen=True)
 class LineNoise(Departure):
-    """Shift each line, of a frame each row, by Gaussian noise, white from one to the next.
+    """Shift each line, of a frame each row or all of it, by Gaussian noise, white along time.
 
     Attributes:
         std_dn: Its standard deviation.
+        shared_by: What has one offset, "row" or "frame"; of lines these are the same.
     """
 
     name: ClassVar[str] = "line_noise"
@@ -33,12 +35,14 @@ class LineNoise(Departure):
     stochastic: ClassVar[bool] = True
     by_signal: ClassVar[bool] = True
     physics: ClassVar[str] = (
-        "Each line has an offset of its own, white from line to line, whatever the signal."
+        "Each line or frame has an offset of its own, white from one to the next, whatever the "
+        "signal."
     )
     shows_in: ClassVar[Statistic] = "column_covariance"
     depends_on: ClassVar[tuple[Variable, ...]] = ("line",)
 
     std_dn: float = parameter(0.5, unit="DN", low=0.0, high=1e5, neutral=0.0)
+    shared_by: str = parameter("row", unit="", choices=("row", "frame"))
 
     @classmethod
     def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:
@@ -47,5 +51,6 @@ class LineNoise(Departure):
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """DN in and out, (n_lines, *sample)."""
-        shifts = rng.standard_normal((*signal.shape[:-1], 1))
+        rows = signal.shape[1:-1] if self.shared_by == "row" else (1,) * (signal.ndim - 2)
+        shifts = rng.standard_normal((len(signal), *rows, 1))
         return np.asarray(signal + self.std_dn * shifts)
