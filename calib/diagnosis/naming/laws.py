@@ -6,7 +6,7 @@ says which variable its physics leaves open (`Departure.any_law`, `smooth_law`);
 all others, and what it does to noise, stays what it is, and tells it from other effects.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -63,9 +63,8 @@ def laws(signature: Signature, evidence: Evidence) -> Laws:
     """Return the laws of an effect that has an `open_variable`."""
     effect, change = signature.shape.template, signature.change
     variable, smooth = open_variable(signature), effect.any_law is None
-    if variable in {"signal", "code", "column"}:
-        of_pixels = _farther if variable == "column" else _bends if smooth else _corners
-        parts = tuple(of_pixels(change, evidence))
+    if variable in {"signal", "code", "column", "line"}:
+        parts = tuple(_OF_PIXELS[variable, smooth](change, evidence))
         if effect.stage is Stage.CHARGE:
             # A border moves the flux of both its pixels or of one more than of the other: profiles
             # lose up to twice as much for the same covariances.
@@ -154,6 +153,15 @@ def _farther(like: Change, evidence: Evidence) -> Iterator[Change]:
         yield replace(like * 0.0, pooled=pooled)
 
 
+def _later(like: Change, evidence: Evidence) -> Iterator[Change]:
+    """Yield what lines one and two apart have in common, as each line's own pixels do."""
+    shared = like.pooled[:, evidence.pooled.places["common"]].mean(axis=1, keepdims=True)
+    for kind in ("common_1", "common_2"):
+        pooled = np.zeros_like(like.pooled)
+        pooled[:, evidence.pooled.places[kind]] = shared
+        yield replace(like * 0.0, pooled=pooled)
+
+
 def _scaled(change: Change, by_block: Floats) -> Change:
     """Return the change of means and pooled statistics, each block's times a factor."""
     return replace(
@@ -162,3 +170,12 @@ def _scaled(change: Change, by_block: Floats) -> Change:
         pooled=change.pooled * by_block[:, None],
         monitor=change.monitor * by_block,
     )
+
+
+_OF_PIXELS: Mapping[tuple[Variable, bool], Callable[[Change, Evidence], Iterator[Change]]] = {
+    ("signal", True): _bends,
+    ("code", False): _corners,
+    ("column", False): _farther,
+    ("line", False): _later,
+}
+"""By the variable that an effect's law leaves open, and whether it is to be smooth."""

@@ -40,6 +40,7 @@ class LineNoise(Departure):
     )
     shows_in: ClassVar[Statistic] = "column_covariance"
     depends_on: ClassVar[tuple[Variable, ...]] = ("line",)
+    any_law: ClassVar[Variable | None] = "line"
 
     std_dn: float = parameter(0.5, unit="DN", low=0.0, high=1e5, neutral=0.0)
     shared_by: str = parameter("row", unit="", choices=("row", "frame"))

@@ -1,17 +1,32 @@
-"""Noise that all rows of a frame share: line noise, and neither flicker nor banding."""
+"""Noise that a line, or all rows of a frame, share: neither flicker nor banding."""
+
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from numpy.random import default_rng
+from numpy.random import Generator, default_rng
+from scipy.signal import lfilter
 from scipy.stats import chi2
 
+from calib.arrays import Lines
 from calib.diagnosis.diagnose import examine
 from calib.diagnosis.evidence.evidence import Evidence
+from calib.forward.conditions import Conditions
 from calib.forward.effects.line_noise import LineNoise
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 from tests.calib.forward.small_sensors import at
 
 STD_DN = 1.0
+
+
+@dataclass(frozen=True)
+class Wandering(LineNoise):
+    """Line noise of which each line keeps 0.6 of the one before."""
+
+    def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:
+        """DN in and out, (n_lines, n_columns)."""
+        fresh = rng.standard_normal(len(signal) + 50)
+        return np.asarray(signal + self.std_dn * lfilter([0.8], [1.0, -0.6], fresh)[50:, None])
 
 
 def drawn() -> Evidence:
@@ -45,3 +60,11 @@ def test_rows_of_a_frame_move_alike_or_each_alone(shared_by: str, alike: bool) -
     assert np.ptp(moved, axis=2).max() == 0.0
     assert bool(np.ptp(moved, axis=1).max() == 0.0) is alike
     assert np.ptp(moved, axis=0).min() > 0.0
+
+
+def test_lines_whose_offset_wanders_have_line_noise_and_no_tone() -> None:
+    rng, n, named = default_rng(), 60, []
+    for _ in range(3):
+        found = recorded(plain_model(64), plan(rng, n), rng, (Wandering(0.6),))
+        named.append([f.effect.name for f in examine(found).diagnosis.findings])
+    assert named.count(["line_noise"]) >= 2
