@@ -99,6 +99,29 @@ def test_a_reading_from_before_the_news_is_not_given_to_who_asks_after_them() ->
     assert asyncio.run(asyncio.wait_for(follow(), WITHIN_S)) == ([1], [1])
 
 
+class _Ending(_Gated):
+    """A journal whose run ends just after it was first read."""
+
+    def __init__(self, news: News) -> None:
+        super().__init__()
+        self.gate.set()
+        self._news = news
+
+    def events(self, run_id: str, *, after: int) -> tuple[RunEvent, ...]:
+        found = super().events(run_id, after=after)
+        if not self.said:
+            self.say("succeeded")
+            self._news.tell()
+        return found
+
+
+def test_the_last_event_is_told_also_where_it_comes_while_the_journal_is_read() -> None:
+    news = News()
+    streams = EventStreams(cast("Runs", _Ending(news)), news)
+    told = asyncio.wait_for(_all(streams.follow("run", 0)), WITHIN_S)
+    assert asyncio.run(told) == [1]
+
+
 def test_events_are_json() -> None:
     journal, news = _Gated(), News()
     journal.first_has_read.set()
