@@ -26,22 +26,6 @@ def store_url(url: str) -> str:
     return url
 
 
-def test_a_recording_becomes_a_draft(client: TestClient, digest: str, settings: Settings) -> None:
-    started = client.post(PLACE, json={"recording": digest})
-    assert started.status_code == 202
-    job = ended(client, started.headers["Location"])
-    assert job["state"] == "succeeded", job["error"]
-    assert job["result"]["columns"] == 256
-    found = client.get(f"/v1/coefficient-sets/{job['result']['coefficient_set']}").json()
-    assert (found["state"], found["recording_digest"]) == ("draft", digest)
-    assert found["transitions"][0]["by"] == "local"
-    assert "path" not in str(job["request"])
-    until = time.monotonic() + 60
-    while left := list(settings.work_folder.iterdir()):  # cleared once the job is on record
-        assert time.monotonic() < until, left
-        time.sleep(0.01)
-
-
 def test_an_unknown_recording_is_not_found(client: TestClient) -> None:
     answer = client.post(PLACE, json={"recording": "0" * 64})
     assert (answer.status_code, answer.json()["code"]) == (404, "not-found")

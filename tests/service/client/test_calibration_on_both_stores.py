@@ -12,6 +12,7 @@ from calib.recording.open import open_recording
 from service.client import Client, ProblemError
 from service.settings import Settings
 from service.store.check.check import check
+from tests.service.client.darkness import wait_until
 
 EXPOSURE_US = 40.0
 
@@ -28,6 +29,10 @@ def test_a_recording_is_calibrated_verified_certified_found_and_applied(
     job = client.jobs.wait(client.jobs.calibrate(digest).id, every_s=0.05)
     assert job.result is not None
     sets, set_id = client.coefficient_sets, str(job.result["coefficient_set"])
+    made = sets.get(set_id)
+    assert (made.state, made.recording_digest) == ("draft", digest)
+    assert made.transitions[0].by == "local"
+    assert "path" not in str(job.request)
     assert sets.verify(set_id, reason="curves look right").state == "verified"
     now = datetime.now(UTC)
     sets.certify(set_id, valid_from=now, reason="first calibration")
@@ -42,6 +47,7 @@ def test_a_recording_is_calibrated_verified_certified_found_and_applied(
     applied = sets.apply(set_id, lines, exposure_us=EXPOSURE_US, at=now)
     expected = Correction(coefficients, EXPOSURE_US, camera=coefficients.camera).lines(lines)
     np.testing.assert_array_equal(applied.radiance, expected.radiance)
+    wait_until(lambda: not any(settings.work_folder.iterdir()))  # cleared after its record
     assert [each.action for each in client.audit.all()] == [
         "coefficient-set.certified", "coefficient-set.verified", "coefficient-set.draft",
         "recording.import",

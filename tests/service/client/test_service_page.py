@@ -14,19 +14,21 @@ import numpy as np
 import tomli_w
 
 from calib.recording.commit_log import commit_path
+from calib.recording.open import open_recording
 from tests.service.cli.a_recording import plan_file, recording_file
 from tests.service.sequencer.benches import SETTLES, in_process
 
 __all__ = ["plan_file", "recording_file"]
 
 ROOT = Path(__file__).parents[3]
-SECTION = "## A whole calibration from a control PC"
+SECTIONS = ("A whole calibration from a control PC", "Jobs")
 
 
 def blocks(language: str) -> list[str]:
     page = (ROOT / "docs" / "service.md").read_text("utf-8")
-    section = re.split(r"^## ", page.partition(SECTION)[2], flags=re.MULTILINE)[0]
-    return re.findall(rf"^```{language}\n(.*?)^```", section, re.DOTALL | re.MULTILINE)
+    by_title = dict(each.split("\n", 1) for each in re.split(r"^## ", page, flags=re.MULTILINE)[1:])
+    text = "".join(by_title[title] for title in SECTIONS)
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
 
 
 def a_free_port() -> str:
@@ -52,8 +54,9 @@ def test_a_calibration_by_curl_and_from_python(tmp_path: Path, recording_file: P
     port = a_free_port()
     commands = [line[2:] for block in blocks("console") for line in block.splitlines()]
     assert len(commands) >= 20
-    (python,) = blocks("python")
-    (tmp_path / "story.py").write_text(python.replace("8642", port))
+    python = blocks("python")
+    assert len(python) == len(SECTIONS)
+    (tmp_path / "story.py").write_text("\n".join(python).replace("8642", port))
     serve = commands.pop(0)
     assert serve == "darkflat serve --bench bench.toml &"
     script = ["set -euo pipefail", f"{serve[:-1]} --port {port} &", "trap 'kill %1; wait' EXIT"]
@@ -68,8 +71,13 @@ def test_a_calibration_by_curl_and_from_python(tmp_path: Path, recording_file: P
     )  # fmt: skip
     assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
     said = done.stdout.splitlines()
-    for answer in ("succeeded", "verified", "certified", "True"):
+    for answer in ("succeeded", "verified", "certified", "cancelled", "True"):
         assert answer in said
+    assert "<svg" in (tmp_path / "data-sheet.html").read_text("utf-8")
+    assert (tmp_path / "report.html").exists()
+    with zipfile.ZipFile(tmp_path / "elsewhere.zip") as archive:
+        stem = open_recording(recording_file).digest()[:12]
+        assert set(archive.namelist()) == {f"{stem}.h5", f"{stem}.frames.jsonl"}
     with zipfile.ZipFile(tmp_path / "radiance.npz") as archive:
         assert set(archive.namelist()) == {
             "notes.json", "radiance.npy", "std.npy", "flags.npy",
