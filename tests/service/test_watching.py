@@ -20,6 +20,7 @@ from service.settings import Settings
 from service.store.run_records import FINAL
 from service.watching.log import ENVIRONMENT, LogForm, Subject, log_config
 from tests.service.api.test_runs import SHORT, start, until
+from tests.service.api.test_service import parts_of
 from tests.service.sequencer.benches import in_process
 
 
@@ -101,10 +102,14 @@ def test_metrics_readiness_and_log_of_a_run(
     assert all(getattr(record, "run", "") for record in about_runs)
 
 
-def test_a_bench_that_died_is_not_ready(client: TestClient) -> None:
+def test_a_bench_that_died_is_not_ready(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
     until(client, "/v1/bench", "idle")
-    keeper = client.app.state.parts.keeper  # type: ignore[attr-defined]
-    keeper.owner.open = lambda: None  # so that it stays dead
+    keeper = parts_of(client).keeper
+    assert keeper is not None
+    monkeypatch.setattr(keeper.owner, "open", lambda: None)  # so that it stays dead
+    assert keeper.owner.pid is not None
     os.kill(keeper.owner.pid, 9)
     until(client, "/v1/bench", "closed")
     answer = client.get("/readyz")

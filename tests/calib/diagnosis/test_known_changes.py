@@ -20,10 +20,15 @@ def test_what_is_known_is_not_simulated_again_until_too_much_is(
 ) -> None:
     # Nine parts of four numbers of eight bytes: there is room for two.
     monkeypatch.setattr(known_changes, "MOST_BYTES", 2 * 9 * 4 * 8)
-    known, asked = KnownChanges(), []
+    known = KnownChanges()
+    asked: list[str] = []
 
     def of(name: str) -> None:
-        known.of(name, lambda: asked.append(name) or change(1.0))  # type: ignore[func-returns-value]
+        def simulated() -> Change:
+            asked.append(name)
+            return change(1.0)
+
+        known.of(name, simulated)
 
     for name in ("a", "b", "a", "c", "a", "b"):
         of(name)

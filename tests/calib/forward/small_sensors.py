@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect
+from calib.forward.effects.offset import Offset
 from calib.forward.effects.responsivity import Responsivity
 from calib.forward.effects.system_gain import SystemGain
 from calib.forward.effects.vignette import Vignette
@@ -30,7 +31,7 @@ def small(rows: int | None, columns: int) -> Model:
     )
     kept = tuple(e for e in DEMO.effects if e.name not in {effect.name for effect in new})
     kept = tuple(
-        replace(e, tap_offset_dn=(), tap_layout="single") if e.name == "offset" else e  # type: ignore[call-arg]
+        replace(e, tap_offset_dn=(), tap_layout="single") if isinstance(e, Offset) else e
         for e in kept
     )
     return replace(DEMO, camera=camera, effects=(*kept, *new))
@@ -42,8 +43,7 @@ def fitting(model: Model, effect: Effect) -> Model:
         return model.with_effect(effect)
     taps = {"taps": 2, "tap_layout": "odd_even"}
     kept = tuple(
-        replace(e, tap_layout="odd_even") if e.name == "offset" else e  # type: ignore[call-arg]
-        for e in model.effects
+        replace(e, tap_layout="odd_even") if isinstance(e, Offset) else e for e in model.effects
     )
     camera = model.camera.model_copy(update=taps)
     return replace(model, camera=camera, effects=kept).with_effect(effect)

@@ -68,7 +68,9 @@ def test_frames_scatter_about_the_noise_free_signal(model: Model) -> None:
     drawn = model.draw(at(n_frames), np.random.default_rng(4))
     assert drawn.dn.shape == drawn.noise_free_dn.shape == (n_frames, *SAMPLE)
     assert drawn.dn.dtype == np.uint16
-    gain = model.effect("system_gain").pixels(SAMPLE, 0.0)  # type: ignore[union-attr]
+    system_gain = model.effect("system_gain")
+    assert isinstance(system_gain, SystemGain)
+    gain = system_gain.pixels(SAMPLE, 0.0)
     variance = gain**2 * (drawn.electrons + 12.0**2) + 1 / 12
     variance += 0.2**2 * (model.effect("line_noise") is not None)
     score = (drawn.dn - drawn.noise_free_dn) / np.sqrt(variance)

@@ -5,6 +5,7 @@ import pytest
 
 from calib.arrays import RawLines
 from calib.forward.conditions import Conditions
+from calib.forward.effects.full_well import FullWell
 from calib.forward.model import Model
 from calib.forward.model_file import preset_names
 
@@ -75,9 +76,9 @@ def test_agcams_axis_saturates_at_the_papers_lamp_and_not_before(
 def test_the_well_of_a_preset_lies_beyond_its_codes(name: str) -> None:
     model = Model.preset(name)
     full_well = model.effect("full_well")
-    assert full_well is not None
+    assert isinstance(full_well, FullWell)
     truth = model.truth()
-    reached = full_well.electrons * truth.system_gain_dn_per_e  # type: ignore[attr-defined]
+    reached = full_well.electrons * truth.system_gain_dn_per_e
     assert reached > model.camera.full_scale_dn
 
 

@@ -1,3 +1,5 @@
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -33,7 +35,12 @@ def nibbles_of(pixels: NDArray[np.uint16]) -> NDArray[np.uint8]:
     ],
     ids=["Mono12p", "Mono12Packed"],
 )
-def test_packing_agrees_with_the_definition_and_back(pack, unpack, twin, n: int) -> None:  # type: ignore[no-untyped-def]
+def test_packing_agrees_with_the_definition_and_back(
+    pack: Callable[[NDArray[np.uint16], NDArray[np.uint8]], None],
+    unpack: Callable[[NDArray[np.uint8], NDArray[np.uint16]], None],
+    twin: Callable[[NDArray[np.uint16]], NDArray[np.uint8]],
+    n: int,
+) -> None:
     pixels = np.random.default_rng().integers(0, 4096, n).astype(np.uint16)
     packed = np.zeros((12 * n + 7) // 8, np.uint8)
     pack(pixels, packed)

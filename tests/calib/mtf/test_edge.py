@@ -9,7 +9,7 @@ from calib.mtf.edge.edge_line import find_edge
 from calib.mtf.edge.slanted_edge import slanted_edge
 from calib.mtf.simulation.detector import DetectorNoise
 from calib.mtf.simulation.edge import edge_image, noisy
-from calib.mtf.simulation.response import centred
+from calib.mtf.simulation.response import PixelResponse, centred
 from calib.mtf.simulation.shapes import square
 from tests.calib.mtf.simulated import CORNER, PITCH_UM, Scores
 
@@ -21,12 +21,14 @@ BINNING = 0.008
 
 @pytest.mark.parametrize("moving", [False, True])
 @pytest.mark.parametrize("response", [square(25.0, 1.5), CORNER])
-def test_the_transfer_function_across_the_edge_comes_out(response: object, moving: bool) -> None:
-    light = edge_image(response, PITCH_UM, SHAPE, SLANT, moving=moving)  # type: ignore[arg-type]
+def test_the_transfer_function_across_the_edge_comes_out(
+    response: PixelResponse, moving: bool
+) -> None:
+    light = edge_image(response, PITCH_UM, SHAPE, SLANT, moving=moving)
     found = slanted_edge(light, PITCH_UM, moving=moving)
     along = found.frequency_per_um
     across = (along * np.cos(found.angle_rad), -along * np.sin(found.angle_rad))
-    error = found.transfer - centred(response, *across)  # type: ignore[arg-type]
+    error = found.transfer - centred(response, *across)
     assert found.angle_rad == pytest.approx(0.0 if moving else np.arctan(SLANT), abs=1e-4)
     assert np.abs(error).max() < BINNING
     assert found.transfer.real.min() < -0.1 or response is CORNER

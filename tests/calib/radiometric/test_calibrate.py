@@ -1,5 +1,5 @@
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -183,7 +183,7 @@ def of_an_area(recording: InMemory) -> InMemory:
 )
 def test_what_cannot_be_calibrated_ends_in_one_sentence(
     recording: InMemory,
-    change,  # type: ignore[no-untyped-def]
+    change: Callable[[InMemory], InMemory],
     code: str,
 ) -> None:
     with pytest.raises(DarkflatError) as refusal:

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from calib.radiometric.estimation.dark_current import DarkCurrent
 from calib.radiometric.estimation.from_statistics import Determined, determine
 from calib.radiometric.estimation.noise_model import NoiseModel
 from calib.recording.block_statistics import BlockStatistics, RecordingStatistics
-from tests.calib.radiometric.simulated import Bench, draw
+from tests.calib.radiometric.simulated import Bench, Drawn, draw
 
 BENCH = Bench(n=128, lines=48)
 
@@ -55,7 +56,9 @@ def with_column(
     ],
     ids=["stuck", "black", "noise-only", "hardly-lit", "hot", "saturated", "dusty"],
 )
-def test_a_column_is_masked_with_its_reason(state: ColumnState, mean) -> None:  # type: ignore[no-untyped-def]
+def test_a_column_is_masked_with_its_reason(
+    state: ColumnState, mean: Callable[[Drawn], NDArray[np.float64]]
+) -> None:
     rng = np.random.default_rng()
     drawn = draw(BENCH, rng, pixels=True)
     noise = 0.0 if state == ColumnState.DEAD else 1.5

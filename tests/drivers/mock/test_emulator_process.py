@@ -97,7 +97,8 @@ def _started(tmp_path: Path, *command: str) -> tuple[subprocess.Popen[str], dict
     process = subprocess.Popen(
         [*command, *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True
     )
-    with process.stdout as said:  # type: ignore[union-attr]
+    assert process.stdout is not None
+    with process.stdout as said:
         return process, json.loads(said.readline())
 
 

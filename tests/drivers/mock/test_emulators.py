@@ -1,7 +1,7 @@
 """The emulators speak as the controllers' documents say, at the line's speed."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -224,7 +224,7 @@ class Parrot:
 
 
 @pytest.fixture
-def parrot(tmp_path: Path):  # type: ignore[no-untyped-def]
+def parrot(tmp_path: Path) -> Iterator[PtyLine]:
     line = PtyLine(tmp_path / "port", Parrot(), baudrate=9600)
     yield line
     line.close()

@@ -7,6 +7,7 @@ import pytest
 
 from drivers.errors import DeviceError, DeviceLostError, DeviceTimeoutError, SettingRefusedError
 from drivers.mock.light import MockLight
+from drivers.mock.mock_line import Fault
 from drivers.mock.world import World
 from tests.contracts.light import LightContract
 
@@ -56,10 +57,10 @@ def test_lamp_hours_count_while_it_burns(light: MockLight) -> None:
     ("fault", "kind"), [("lost", DeviceLostError), ("silent", DeviceTimeoutError)]
 )
 def test_cut_line_raises_leaves_the_lamps_and_mends(
-    light: MockLight, world: World, fault: str, kind: type[DeviceError]
+    light: MockLight, world: World, fault: Fault, kind: type[DeviceError]
 ) -> None:
     light.set_level(2)
-    light.line.fault = fault  # type: ignore[assignment]
+    light.line.fault = fault
     for call in (light.state, light.off, lambda: light.set_level(1)):
         with pytest.raises(kind):
             call()

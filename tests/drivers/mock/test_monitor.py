@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drivers.errors import DeviceError, DeviceLostError, DeviceTimeoutError
+from drivers.mock.mock_line import Fault
 from drivers.mock.monitor import MockMonitor
 from drivers.mock.monitor_current import MonitorCurrent
 from drivers.mock.world import World
@@ -65,9 +66,9 @@ def test_overflows_above_its_range(monitor: MockMonitor, world: World) -> None:
     ("fault", "kind"), [("lost", DeviceLostError), ("silent", DeviceTimeoutError)]
 )
 def test_cut_line_raises_and_mends(
-    monitor: MockMonitor, fault: str, kind: type[DeviceError]
+    monitor: MockMonitor, fault: Fault, kind: type[DeviceError]
 ) -> None:
-    monitor.line.fault = fault  # type: ignore[assignment]
+    monitor.line.fault = fault
     with pytest.raises(kind):
         monitor.read()
     monitor.line.fault = "none"

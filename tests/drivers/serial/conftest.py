@@ -54,9 +54,11 @@ def opened(emulated: EmulatedBench, tmp_path: Path) -> Iterator["Opened"]:
 
 
 @contextmanager
-def impatient(device: object, *, when: bool = True) -> Iterator[None]:
+def impatient(
+    device: GenLamps | MightexLed | Keithley6485 | RelayShutter, *, when: bool = True
+) -> Iterator[None]:
     """Have the device's link wait only briefly for replies that will not come."""
-    link: SerialLink = device._units.link if isinstance(device, GenLamps) else device._link  # type: ignore[attr-defined]
+    link: SerialLink = device._units.link if isinstance(device, GenLamps) else device._link
     before = link.timeout_s
     if when:
         link.timeout_s = 0.2

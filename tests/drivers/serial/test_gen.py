@@ -4,6 +4,7 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
+from typing import Any
 
 import pytest
 
@@ -46,7 +47,7 @@ class TestHardwareLight(LightContract):
     part_level = 1.0
 
     @pytest.fixture
-    def light(self, hardware_bench):  # type: ignore[no-untyped-def]
+    def light(self, hardware_bench: Any) -> Any:
         return hardware_bench.light
 
 
@@ -62,7 +63,7 @@ def test_level_n_burns_the_first_n_lamps_at_nominal(light: GenLamps, world: Worl
     assert _emissions_when_settled(world)[:3] == pytest.approx((1.0, 1.0, 0.0))
 
 
-def test_current_is_ramped_up_in_steps(opened: Opened, world: World) -> None:
+def test_current_is_ramped_up_in_steps(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
     supply = opened.emulated.supplies[1]
     currents: list[str] = []
     obey = supply.obey
@@ -72,7 +73,7 @@ def test_current_is_ramped_up_in_steps(opened: Opened, world: World) -> None:
             currents.append(command)
         return obey(command)
 
-    supply.obey = noted  # type: ignore[method-assign]
+    monkeypatch.setattr(supply, "obey", noted)
     light = opened.lamps()
     light.set_level(1)
     assert currents == ["PC 0.000", "PC 1.000", "PC 2.000", "PC 3.000", "PC 4.000"]
@@ -80,13 +81,20 @@ def test_current_is_ramped_up_in_steps(opened: Opened, world: World) -> None:
     assert currents[5:] == ["PC 3.000", "PC 2.000", "PC 1.000", "PC 0.000"]
 
 
-def test_lamp_that_burns_already_is_not_ramped_again(opened: Opened) -> None:
+def test_lamp_that_burns_already_is_not_ramped_again(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
     light = opened.lamps()
     light.set_level(1)
     supply = opened.emulated.supplies[1]
     commands: list[str] = []
     obey = supply.obey
-    supply.obey = lambda command: commands.append(command) or obey(command)  # type: ignore
+
+    def noted(command: str) -> str:
+        commands.append(command)
+        return obey(command)
+
+    monkeypatch.setattr(supply, "obey", noted)
     light.set_level(2)
     assert not [command for command in commands if not command.endswith("?")]
 
@@ -154,8 +162,10 @@ def test_absent_supply_is_named_at_opening(opened: Opened) -> None:
     assert opened.lamps().state().level == 0  # the port is free again
 
 
-def test_too_short_a_wait_after_addressing_is_noticed(opened: Opened) -> None:
-    opened.emulated.lines["lamps"].device._settle_s = 5.0  # type: ignore[attr-defined]
+def test_too_short_a_wait_after_addressing_is_noticed(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(opened.emulated.lines["lamps"].device, "_settle_s", 5.0)
     with pytest.raises(DeviceNotFoundError):
         GenLamps.open(
             opened.port("lamps"),
@@ -329,9 +339,13 @@ def test_off_does_not_wait_for_the_ramp(opened: Opened, world: World) -> None:
     burning = threading.Event()
     outcome: list[DeviceError] = []
 
+    def goes_on() -> bool:
+        burning.set()
+        return False
+
     def ramp() -> None:
         with pytest.raises(DeviceError) as caught:
-            light.set_level(3, cancelled=lambda: burning.set() or False)  # type: ignore
+            light.set_level(3, cancelled=goes_on)
         outcome.append(caught.value)
 
     thread = threading.Thread(target=ramp)

@@ -1,5 +1,7 @@
 """The picoammeter: the contract over a pseudo-terminal, its ranges, its zero, and its faults."""
 
+from typing import Any
+
 import pytest
 
 from drivers.errors import (
@@ -11,6 +13,7 @@ from drivers.errors import (
     SettingRefusedError,
 )
 from drivers.mock.emulators.fault_commands import inject
+from drivers.mock.monitor_current import MonitorCurrent
 from drivers.mock.world import World
 from drivers.serial.keithley6485 import Keithley6485
 from tests.contracts.monitor import MonitorContract
@@ -33,7 +36,7 @@ class TestEmulatedKeithley6485(MonitorContract):
 @pytest.mark.hardware
 class TestHardwareMonitor(MonitorContract):
     @pytest.fixture
-    def monitor(self, hardware_bench):  # type: ignore[no-untyped-def]
+    def monitor(self, hardware_bench: Any) -> Any:
         return hardware_bench.monitor
 
 
@@ -54,19 +57,14 @@ def test_reads_the_sum_of_the_lamps(
     assert reading.current_a == pytest.approx(PER_LAMP_A * burning, abs=NOISE_A)
 
 
-def test_zero_is_corrected_when_opened(opened: Opened) -> None:
+def test_zero_is_corrected_when_opened(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
     # The emulated meter is off by 3 pA, the photodiode's dark current is 2 pA.
-    opened.emulated.lines["monitor"].device._current = _quiet()  # type: ignore[attr-defined]
+    quiet = MonitorCurrent(dark_a=2e-12, meter_std_a=1e-18)
+    monkeypatch.setattr(opened.emulated.lines["monitor"].device, "_current", quiet)
     meter = opened.monitor(nplc=1.0)
     # Shot noise of both currents over one cycle of 50 Hz: variance e (2 pA + 3 pA) / 0.02 s.
     noise_a = (1.602e-19 * 5e-12 / 0.02) ** 0.5
     assert meter.read().current_a == pytest.approx(2e-12, abs=5 * noise_a)
-
-
-def _quiet():  # type: ignore[no-untyped-def]
-    from drivers.mock.monitor_current import MonitorCurrent
-
-    return MonitorCurrent(dark_a=2e-12, meter_std_a=1e-18)
 
 
 def test_out_of_range_is_an_overflow_and_the_next_reading_is_good(

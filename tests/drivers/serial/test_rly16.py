@@ -1,5 +1,7 @@
 """The relay shutter: the contract over a pseudo-terminal, and its faults."""
 
+from typing import Any
+
 import pytest
 
 from drivers.errors import (
@@ -28,7 +30,7 @@ class TestEmulatedRelayShutter(ShutterContract):
 @pytest.mark.hardware
 class TestHardwareShutter(ShutterContract):
     @pytest.fixture
-    def shutter(self, hardware_bench):  # type: ignore[no-untyped-def]
+    def shutter(self, hardware_bench: Any) -> Any:
         return hardware_bench.shutter
 
 

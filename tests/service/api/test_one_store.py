@@ -14,7 +14,7 @@ from service.settings import Settings
 from tests.service.cli.answers import Ran
 
 Run = Callable[..., Ran]
-CAMERA = {"serial": "D0001", "band": "NIR", "gain": 0.0, "bit_depth": 12}
+CAMERA: dict[str, str | float] = {"serial": "D0001", "band": "NIR", "gain": 0.0, "bit_depth": 12}
 
 
 @pytest.fixture

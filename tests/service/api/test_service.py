@@ -11,6 +11,7 @@ from urllib.error import URLError
 from urllib.request import urlopen
 
 import pytest
+from fastapi import FastAPI
 from fastapi.testclient import TestClient
 from jsonschema_rs import Draft202012Validator
 
@@ -52,7 +53,8 @@ def test_a_service_that_does_no_jobs_any_more_says_so(
 
 
 def parts_of(client: TestClient) -> Parts:
-    parts: Parts = client.app.state.parts  # type: ignore[attr-defined]
+    assert isinstance(client.app, FastAPI)
+    parts: Parts = client.app.state.parts
     return parts
 
 

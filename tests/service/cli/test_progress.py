@@ -66,7 +66,7 @@ def test_the_bar_counts_down(clock: Clock, until_s: float | None, said: str) -> 
 
 def test_a_part_of_longer_work_keeps_its_share(clock: Clock) -> None:
     told: list[tuple[float, str, Left]] = []
-    tell = sweep_progress(lambda *each: told.append(each), first=0.05, last=0.8)  # type: ignore[arg-type,misc]
+    tell = sweep_progress(lambda *each: told.append(each), first=0.05, last=0.8)
     tell(at(0, None))
     tell(at(10, 0.0))
     assert [share for share, _, _ in told] == pytest.approx([0.05, 0.8])

@@ -73,8 +73,8 @@ def a_frame() -> NDArray[np.uint8]:
     truth, rng = MODEL.truth(), np.random.default_rng()
     gain = truth.system_gain_dn_per_e
     signal_dn = RADIANCE * truth.vignette * truth.responsivity * EXPOSURE_US
-    electrons = rng.poisson(signal_dn / gain, (714, 6144))
-    electrons = electrons + rng.normal(0.0, truth.read_noise_e, electrons.shape)
+    photoelectrons = rng.poisson(signal_dn / gain, (714, 6144))
+    electrons = photoelectrons + rng.normal(0.0, truth.read_noise_e, photoelectrons.shape)
     return np.clip(np.rint(electrons * gain + truth.dark_offset_dn), 0, 255).astype(np.uint8)
 
 

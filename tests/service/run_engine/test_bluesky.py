@@ -83,7 +83,8 @@ def test_a_scan_sees_more_light_with_each_level_and_ends_dark(
     assert [each["camera_lost_frames"] for each in data] == [0] * 4
     monitor = np.array([each["monitor_current"] for each in data])
     assert (np.diff(monitor) > 0).all()
-    assert_dark(bench.world)  # type: ignore[arg-type]
+    assert bench.world is not None
+    assert_dark(bench.world)
 
 
 def test_a_cap_takes_the_light_away(engine: RunEngine, devices: BenchDevices) -> None:
@@ -113,7 +114,8 @@ def test_a_level_that_the_light_has_not_fails_the_plan_and_leaves_it_dark(
     with pytest.raises(FailedStatus) as failed:
         engine(scan([devices.camera], devices.light, 2, 99, 2))
     assert "99" in str(failed.value.__cause__ or failed.value)
-    assert_dark(bench.world)  # type: ignore[arg-type]
+    assert bench.world is not None
+    assert_dark(bench.world)
 
 
 def test_a_plan_that_breaks_while_the_lamps_are_set_leaves_them_off(
@@ -129,4 +131,5 @@ def test_a_plan_that_breaks_while_the_lamps_are_set_leaves_them_off(
     with pytest.raises(RuntimeError, match="a defect"):
         engine(breaks())
     assert devices.light.locate() == {"setpoint": 0.0, "readback": 0.0}
-    assert_dark(bench.world)  # type: ignore[arg-type]
+    assert bench.world is not None
+    assert_dark(bench.world)

@@ -5,6 +5,7 @@ import pytest
 from numpy.random import default_rng
 from scipy.stats import chi2
 
+from calib.errors import InputError
 from calib.forward.effects.nonlinearity import Nonlinearity
 from calib.forward.model import Model
 from calib.radiometric.calibrate import calibrate
@@ -59,9 +60,9 @@ def test_the_budget_tells_it_and_without_it_nothing_changes() -> None:
 
 @pytest.mark.parametrize("std", [-1.0, float("nan"), float("inf"), True, "small"])
 def test_a_model_refuses_what_is_no_uncertainty(std: object) -> None:
-    with pytest.raises(Exception, match="give a number") as refusal:
+    with pytest.raises(InputError, match="give a number") as refusal:
         stated(TRUE, std)  # type: ignore[arg-type]
-    assert refusal.value.code == "bad-uncertainty"  # type: ignore[attr-defined]
+    assert refusal.value.code == "bad-uncertainty"
 
 
 def test_a_model_file_keeps_uncertainties() -> None:

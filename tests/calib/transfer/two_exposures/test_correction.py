@@ -1,11 +1,15 @@
 """Bad pixels, and an image in photo-electrons."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
 from calib.errors import InputError
 from calib.transfer.two_exposures.bad_pixels import Defect, bad_pixels, robust_z
+from calib.transfer.two_exposures.exposure_pair import ExposurePair
 from calib.transfer.two_exposures.non_uniformity import corrected
+from calib.transfer.two_exposures.pixel_maps import PixelMaps
 from calib.transfer.two_exposures.s3nuc import s3nuc
 from calib.transfer.two_exposures.sanuc import sanuc
 from tests.calib.transfer.two_exposures.scores import spread_of
@@ -46,9 +50,11 @@ def test_planted_defects_are_found_with_their_reasons() -> None:
 
 
 @pytest.mark.parametrize("method", [sanuc, s3nuc])
-def test_good_pixels_that_are_merely_noisy_are_not_bad(method: object) -> None:
+def test_good_pixels_that_are_merely_noisy_are_not_bad(
+    method: Callable[[ExposurePair], PixelMaps],
+) -> None:
     sensor = Sensor.flat(5000, 300.0, 10.0, spread=0.05)
-    maps = method(drawn_pair(sensor, 50, key=1))  # type: ignore[operator]
+    maps = method(drawn_pair(sensor, 50, key=1))
     assert bad_pixels(maps).bad.mean() < 1e-3
 
 
