@@ -11,9 +11,9 @@ import os
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
+from calib.closing import Closing
 from calib.errors import InputError
 from calib.recording.durable import disk_errors
 
@@ -105,7 +105,7 @@ def _lock(descriptor: int) -> bool:
     return False
 
 
-class CommitLog:
+class CommitLog(Closing):
     """Appends lines; holds the lock until closed."""
 
     def __init__(self, path: Path, *, create: bool = False) -> None:
@@ -155,14 +155,3 @@ class CommitLog:
         if self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

@@ -10,13 +10,13 @@ the file system keeps its promises.
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.arrays import RawLines
+from calib.closing import Closing
 from calib.errors import DarkflatError, InputError
 from calib.recording.block_order import check_new_block, check_order
 from calib.recording.commit_log import Entry
@@ -30,7 +30,7 @@ from calib.recording.salvage import reopen
 from calib.recording.start import start
 
 
-class RecordingWriter:
+class RecordingWriter(Closing):
     """One recording being written by one process; a context manager.
 
     Leaving the context closes the file. A block not ended by then stays unfinished: readers leave
@@ -193,17 +193,6 @@ class RecordingWriter:
             self._store.close()
         finally:
             self._log.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _open_block(self) -> Block:
         if self._open is None:

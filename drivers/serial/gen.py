@@ -14,6 +14,7 @@ from drivers.serial.gen_units import GenUnits, UnitReading
 from drivers.serial.lamp_hours import LampHours
 from drivers.serial.levels import whole_level
 from drivers.serial.link import SerialLink
+from drivers.serial.off_after import off_after
 from drivers.serial.port import PortSettings
 
 _SETTLE_POLL_S = 0.05
@@ -107,7 +108,7 @@ class GenLamps:
                 return self._settled(burning, order)
             except DeviceError as error:
                 if error.code != "switched-off":
-                    self._off_after(error)
+                    off_after(error, self.off)
                 raise
 
     def state(self) -> LightState:
@@ -174,13 +175,6 @@ class GenLamps:
                 self._state(readings)
                 raise problems[0]
             self._orders.wait(_SETTLE_POLL_S)
-
-    def _off_after(self, error: DeviceError) -> None:
-        """Leave nothing lit behind `error`; note on it what could not be read back as off."""
-        try:
-            self.off()
-        except DeviceError as second:
-            error.add_note(str(second))
 
     def _state(self, readings: Sequence[UnitReading]) -> LightState:
         """Count the hours, and say what burns."""

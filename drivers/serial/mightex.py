@@ -13,6 +13,7 @@ from drivers.ports import Cancelled, DeviceIdentity, LampState, LightState, neve
 from drivers.serial.levels import level_within
 from drivers.serial.link import SerialLink
 from drivers.serial.mightex_channel import SYNC, MightexChannel
+from drivers.serial.off_after import off_after
 from drivers.serial.port import PortSettings
 
 
@@ -92,7 +93,7 @@ class MightexLed:
                 return self._verified(current_ma, order)
             except DeviceError as error:
                 if error.code != "switched-off":
-                    self._off_after(error)
+                    off_after(error, self.off)
                 raise
 
     def state(self) -> LightState:
@@ -160,13 +161,6 @@ class MightexLed:
                 device=self._link.device,
                 code="switched-off",
             )
-
-    def _off_after(self, error: DeviceError) -> None:
-        """Leave nothing lit behind `error`; note on it when that did not work."""
-        try:
-            self.off()
-        except DeviceError as second:
-            error.add_note(str(second))
 
     def _not_off(self, why: str, kind: type[DeviceError]) -> DeviceError:
         return kind(

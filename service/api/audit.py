@@ -1,13 +1,12 @@
 """`/v1/audit`: what was done by whom, and that the log is whole."""
 
-from typing import Annotated
-
-from fastapi import APIRouter, Query
+from fastapi import APIRouter
 
 from service.api.access import Reader
 from service.api.answers.audit import AuditPage, AuditProof
 from service.api.dependencies import StoreDep
 from service.api.openapi import problems
+from service.api.paging import Before, Limit
 
 router = APIRouter(prefix="/v1/audit", tags=["audit"])
 
@@ -16,8 +15,8 @@ router = APIRouter(prefix="/v1/audit", tags=["audit"])
 def list_entries(
     store: StoreDep,
     _reader: Reader,
-    limit: Annotated[int, Query(ge=1, le=500)] = 100,
-    before: Annotated[int | None, Query(ge=0, le=2**63 - 1)] = None,
+    limit: Limit = 100,
+    before: Before = None,
 ) -> AuditPage:
     """List what was done, newest first."""
     return AuditPage.of(store.audit.list(limit=limit, before=before))

@@ -12,6 +12,7 @@ from service.api.answers.coefficient_set import SetAnswer, SetPage
 from service.api.dependencies import StoreDep
 from service.api.etags import matches, quoted
 from service.api.openapi import problems
+from service.api.paging import Before, Limit
 from service.store.records import SetRecord
 from service.store.state import SetState
 
@@ -66,8 +67,8 @@ def list_sets(
     serial: str | None = None,
     band: str | None = None,
     recording: str | None = None,
-    limit: Annotated[int, Query(ge=1, le=500)] = 100,
-    before: Annotated[int | None, Query(ge=0, le=2**63 - 1)] = None,
+    limit: Limit = 100,
+    before: Before = None,
 ) -> SetPage:
     """List coefficient sets, newest first."""
     page = store.sets.list(

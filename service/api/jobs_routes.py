@@ -1,8 +1,6 @@
 """`/v1/jobs`: long work and what came of it."""
 
-from typing import Annotated
-
-from fastapi import APIRouter, Query
+from fastapi import APIRouter
 from fastapi.responses import FileResponse
 
 from service.api.access import Operator
@@ -11,6 +9,7 @@ from service.api.dependencies import RunnerDep, StoreDep
 from service.api.jobs.files import MEDIA_TYPES
 from service.api.jobs.runner import JobRunner
 from service.api.openapi import problems
+from service.api.paging import Before, Limit
 from service.store.records import JobRecord
 
 router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
@@ -32,8 +31,8 @@ _SAFE = {
 def list_jobs(
     store: StoreDep,
     runner: RunnerDep,
-    limit: Annotated[int, Query(ge=1, le=500)] = 100,
-    before: Annotated[int | None, Query(ge=0, le=2**63 - 1)] = None,
+    limit: Limit = 100,
+    before: Before = None,
 ) -> JobPage:
     """List jobs, newest first."""
     page = store.jobs.list(limit=limit, before=before)

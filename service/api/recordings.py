@@ -12,6 +12,7 @@ from service.api.answers.recording import RecordingAnswer, RecordingPage
 from service.api.dependencies import SettingsDep, StoreDep
 from service.api.importing import import_archive
 from service.api.openapi import problems
+from service.api.paging import Before, Limit
 from service.api.recording_zip import files_of, zipped
 from service.api.uploads import uploaded
 
@@ -25,8 +26,8 @@ def list_recordings(
     store: StoreDep,
     serial: str | None = None,
     band: str | None = None,
-    limit: Annotated[int, Query(ge=1, le=500)] = 100,
-    before: Annotated[int | None, Query(ge=0, le=2**63 - 1)] = None,
+    limit: Limit = 100,
+    before: Before = None,
 ) -> RecordingPage:
     """List recordings, newest first."""
     return RecordingPage.of(

@@ -9,6 +9,7 @@ from service.api.access import Operator, Reader
 from service.api.answers.run import EventAnswer, PlanAnswer, RunAnswer, RunPage
 from service.api.dependencies import CommandsDep, StoreDep, StreamsDep
 from service.api.openapi import BENCH, json_body, problems
+from service.api.paging import Before, Limit
 from service.plan.model import Plan
 from service.store.run_records import RunState
 
@@ -56,8 +57,8 @@ def list_runs(
     store: StoreDep,
     _reader: Reader,
     state: RunState | None = None,
-    limit: Annotated[int, Query(ge=1, le=500)] = 100,
-    before: Annotated[int | None, Query(ge=0, le=2**63 - 1)] = None,
+    limit: Limit = 100,
+    before: Before = None,
 ) -> RunPage:
     """List runs, newest first."""
     page = store.runs.list(state=state, limit=limit, before=before)
@@ -99,7 +100,7 @@ def read_journal(
     store: StoreDep,
     _reader: Reader,
     after: Annotated[int, Query(ge=0, le=2**63 - 1)] = 0,
-    limit: Annotated[int, Query(ge=1, le=500)] = 500,
+    limit: Limit = 500,
 ) -> list[EventAnswer]:
     """Read what a run said after an event: the same as the stream, for those who poll."""
     return [EventAnswer.of(event) for event in store.runs.events(run_id, after=after, limit=limit)]

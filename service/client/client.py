@@ -1,8 +1,6 @@
 """One object for all of the service."""
 
-from types import TracebackType
-from typing import Self
-
+from calib.closing import Closing
 from service.client.audit import Audit
 from service.client.bench import Bench
 from service.client.coefficient_sets import CoefficientSets
@@ -13,7 +11,7 @@ from service.client.recordings import Recordings
 from service.client.runs import Runs
 
 
-class Client:
+class Client(Closing):
     """A service and a key. Thread-safe; a context manager. Errors are DarkflatErrors.
 
     Attributes:
@@ -56,14 +54,3 @@ class Client:
     def close(self) -> None:
         """Release the connections; safe to call twice."""
         self._link.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

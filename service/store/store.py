@@ -1,11 +1,11 @@
 """The store, opened: the database migrated, the folders known."""
 
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from sqlalchemy import text
 
+from calib.closing import Closing
 from service.settings import Settings
 from service.store.audit import Audit
 from service.store.coefficient_sets import CoefficientSets
@@ -19,7 +19,7 @@ from service.store.runs import Runs
 from service.store.set_files import SetFiles
 
 
-class Store:
+class Store(Closing):
     """Holds the database's connections until closed; a context manager. Thread-safe.
 
     Attributes:
@@ -84,14 +84,3 @@ class Store:
     def close(self) -> None:
         """Release the database; safe to call twice."""
         self._engine.dispose()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

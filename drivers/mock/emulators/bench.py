@@ -3,11 +3,10 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 
+from calib.closing import Closing
 from drivers.mock.emulators.gen_chain import GenChain
 from drivers.mock.emulators.gen_supply import EmulatedLamp, GenSupply
 from drivers.mock.emulators.keithley_6485 import Keithley6485Emulator
@@ -50,7 +49,7 @@ class BenchSettings:
         return range(1, self.lamps + 1)
 
 
-class EmulatedBench:
+class EmulatedBench(Closing):
     """Serves every device in this process until it is closed.
 
     Attributes:
@@ -94,17 +93,6 @@ class EmulatedBench:
             line.stop()
         for line in self.lines.values():
             line.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _devices(self) -> dict[str, EmulatedDevice]:
         settings, world = self.settings, self._world

@@ -5,14 +5,14 @@ import select
 import subprocess
 import sys
 from pathlib import Path
-from types import TracebackType
-from typing import Self
+
+from calib.closing import Closing
 
 _START_S = 30.0
 _STOP_S = 5.0
 
 
-class EmulatorProcess:
+class EmulatorProcess(Closing):
     """Runs `python -m drivers.mock.emulators` while the context lasts.
 
     In a process group of its own: Ctrl-C at a terminal goes to every process of the foreground's,
@@ -65,17 +65,6 @@ class EmulatorProcess:
         for stream in (self._process.stdin, self._process.stdout):
             if stream is not None:
                 stream.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _answer(self) -> dict[str, str | None]:
         stdout = self._process.stdout

@@ -15,6 +15,11 @@ class JobError(BaseModel):
     code: str
     message: str
 
+    @classmethod
+    def of(cls, code: str | None, message: str | None) -> "JobError | None":
+        """Return the answer for what is on record of an error; None where there was none."""
+        return None if code is None else cls(code=code, message=message or "")
+
 
 class JobFileAnswer(BaseModel):
     """A file that a job left; get it at `place`."""
@@ -55,9 +60,6 @@ class JobAnswer(BaseModel):
         cls, record: JobRecord, progress: float | None = None, files: tuple[JobFile, ...] = ()
     ) -> "JobAnswer":
         """Return the answer for a record, with what the worker says of its progress."""
-        error = None
-        if record.error_code is not None:
-            error = JobError(code=record.error_code, message=record.error_message or "")
         return cls(
             id=record.id,
             kind=record.kind,
@@ -66,7 +68,7 @@ class JobAnswer(BaseModel):
             request=record.request,
             result=record.result,
             files=tuple(JobFileAnswer.of(record.id, each) for each in files),
-            error=error,
+            error=JobError.of(record.error_code, record.error_message),
             submitted_at=record.submitted_at,
             started_at=record.started_at,
             finished_at=record.finished_at,

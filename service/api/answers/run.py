@@ -32,9 +32,6 @@ class RunAnswer(BaseModel):
     @classmethod
     def of(cls, record: RunRecord) -> "RunAnswer":
         """Return the answer for a record."""
-        error = None
-        if record.error_code is not None:
-            error = JobError(code=record.error_code, message=record.error_message or "")
         return cls(
             id=record.id,
             state=record.state,
@@ -44,7 +41,7 @@ class RunAnswer(BaseModel):
             blocks_total=record.blocks_total,
             recording=record.recording_digest,
             result=record.result,
-            error=error,
+            error=JobError.of(record.error_code, record.error_message),
             submitted_at=record.submitted_at,
             submitted_by=record.submitted_by,
             started_at=record.started_at,

@@ -1,10 +1,9 @@
 """`darkflat audit list`: what was done."""
 
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from service.cli.answering import Json, answering
+from service.cli.shared_options import Before, Limit
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,10 +15,8 @@ if TYPE_CHECKING:
 
 def list_entries(
     *,
-    limit: Annotated[int, typer.Option(min=1, max=500)] = 100,
-    before: Annotated[
-        int | None, typer.Option(help="Go on behind this `next_before` of an earlier answer")
-    ] = None,
+    limit: Limit = 100,
+    before: Before = None,
     json: Json = None,
 ) -> None:
     """List what was done, newest first."""

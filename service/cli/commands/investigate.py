@@ -9,6 +9,7 @@ from calib.errors import DarkflatError, InputError
 from service.cli.answering import Json, answering
 from service.cli.paths import path_option
 from service.cli.progress import progress
+from service.cli.shared_options import BenchFile
 
 if TYPE_CHECKING:
     from service.investigation.investigate import Investigation
@@ -17,10 +18,7 @@ if TYPE_CHECKING:
 
 def investigate(
     *,
-    bench: Annotated[
-        Path | None,
-        path_option(metavar="bench.toml", help="Else ./bench.toml, else simulated"),
-    ] = None,
+    bench: BenchFile = None,
     plan: Annotated[
         Path | None,
         path_option(metavar="FIRST.toml", help="The first sweep; a simulated bench needs none"),

@@ -8,6 +8,7 @@ import typer
 
 from service.cli.answering import Json, answering
 from service.cli.duration import parse_duration
+from service.cli.shared_options import By
 
 
 class Scope(StrEnum):
@@ -29,7 +30,7 @@ def create(
             parser=parse_duration, metavar="TIME", help="After 12h, 90d, 52w; never where not given"
         ),
     ] = None,
-    by: Annotated[str | None, typer.Option(help="Who; the user's name where not given")] = None,
+    by: By = None,
     json: Json = None,
 ) -> None:
     """Make a key. It is shown once: only its digest is kept."""

@@ -5,11 +5,12 @@ from typing import Annotated
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.shared_options import By
 
 
 def revoke(
     key_id: Annotated[str, typer.Argument(metavar="ID", help="As `key list` shows it")],
-    by: Annotated[str | None, typer.Option(help="Who; the user's name where not given")] = None,
+    by: By = None,
     json: Json = None,
 ) -> None:
     """End a key at once, for a running service too."""

@@ -3,15 +3,14 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from service.cli.answering import Json, answering
 from service.cli.paths import path_argument
+from service.cli.shared_options import By
 
 
 def add(
     file: Annotated[Path, path_argument(metavar="SET.h5")],
-    by: Annotated[str | None, typer.Option(help="Who; the user's name where not given")] = None,
+    by: By = None,
     json: Json = None,
 ) -> None:
     """Keep a coefficient set as a draft."""

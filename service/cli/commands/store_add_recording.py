@@ -3,10 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from service.cli.answering import Json, answering
 from service.cli.paths import path_argument
+from service.cli.shared_options import By
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 
 def add_recording(
     recording: Annotated[Path, path_argument(metavar="REC", help="An .h5 or a recording folder")],
-    by: Annotated[str | None, typer.Option(help="Who; the user's name where not given")] = None,
+    by: By = None,
     json: Json = None,
 ) -> None:
     """Make a recording known by its digest; its file stays where it is and is not copied."""

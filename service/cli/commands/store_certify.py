@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.shared_options import By
 
 
 def certify(
@@ -19,7 +20,7 @@ def certify(
     supersedes: Annotated[
         list[str] | None, typer.Option(help="A set that holds up to then; may be repeated")
     ] = None,
-    by: Annotated[str | None, typer.Option(help="Who; the user's name where not given")] = None,
+    by: By = None,
     json: Json = None,
 ) -> None:
     """Certify a verified set for a time."""

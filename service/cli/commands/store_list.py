@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.shared_options import Before, Limit
 
 
 class State(StrEnum):
@@ -23,10 +24,8 @@ def list_sets(
     state: Annotated[State | None, typer.Option()] = None,
     serial: Annotated[str | None, typer.Option(help="Of the camera")] = None,
     band: Annotated[str | None, typer.Option()] = None,
-    limit: Annotated[int, typer.Option(min=1, max=500)] = 100,
-    before: Annotated[
-        int | None, typer.Option(help="Go on behind this `next_before` of an earlier answer")
-    ] = None,
+    limit: Limit = 100,
+    before: Before = None,
     json: Json = None,
 ) -> None:
     """List coefficient sets, newest first."""

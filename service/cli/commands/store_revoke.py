@@ -5,12 +5,13 @@ from typing import Annotated
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.shared_options import By
 
 
 def revoke(
     set_id: Annotated[str, typer.Argument(metavar="ID", help="Or its first 8 digits or more")],
     reason: Annotated[str, typer.Option(help="Why, for those who read the record later")],
-    by: Annotated[str | None, typer.Option(help="Who; the user's name where not given")] = None,
+    by: By = None,
     json: Json = None,
 ) -> None:
     """Say that a certified set was wrong: it holds for no time any more."""

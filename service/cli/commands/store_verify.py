@@ -5,12 +5,13 @@ from typing import Annotated
 import typer
 
 from service.cli.answering import Json, answering
+from service.cli.shared_options import By
 
 
 def verify(
     set_id: Annotated[str, typer.Argument(metavar="ID", help="Or its first 8 digits or more")],
     reason: Annotated[str, typer.Option(help="What was looked at")] = "",
-    by: Annotated[str | None, typer.Option(help="Who; the user's name where not given")] = None,
+    by: By = None,
     json: Json = None,
 ) -> None:
     """Say that a draft was looked at; its file is checked against its id."""

@@ -9,6 +9,7 @@ from calib.errors import DarkflatError
 from service.cli.answering import Answer, Json, answering
 from service.cli.paths import path_argument, path_option
 from service.cli.progress import progress
+from service.cli.shared_options import BenchFile
 
 if TYPE_CHECKING:
     from service.plan.model import Plan
@@ -21,10 +22,7 @@ def sweep(
     out: Annotated[
         Path | None, path_option(metavar="REC.h5", help="The recording to write")
     ] = None,
-    bench: Annotated[
-        Path | None,
-        path_option(metavar="bench.toml", help="Else ./bench.toml, else simulated"),
-    ] = None,
+    bench: BenchFile = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on at the first block that is not whole")
     ] = False,

@@ -7,10 +7,10 @@ from service.settings import Settings
 from service.store.audit import START
 from service.store.check.every import every
 from service.store.check.finding import Finding, Kind
-from service.store.check.jobs import left_over_jobs, under_way
-from service.store.check.recordings import check_recording, left_over_recordings
-from service.store.check.runs import check_run, left_over_runs
-from service.store.check.sets import check_set, left_over_sets
+from service.store.check.left_over import left_over, under_way
+from service.store.check.recordings import check_recording
+from service.store.check.runs import check_run
+from service.store.check.sets import check_set
 from service.store.errors import StoreError
 from service.store.records import JobRecord, RecordingRecord, SetRecord
 from service.store.run_records import RunRecord
@@ -93,9 +93,27 @@ def _wrong(
 
 
 def _left_over(settings: Settings, known: _Known) -> Iterator[Finding]:
-    yield from left_over_sets(settings.sets_folder, {each.id for each in known.sets})
-    digests = {each.digest for each in known.recordings}
-    yield from left_over_recordings(settings.recordings_folder, digests)
-    yield from left_over_runs(settings.runs_folder, {each.id for each in known.runs})
-    yield from left_over_jobs(settings.jobs_folder, {each.id for each in known.jobs})
+    sets = {each.id for each in known.sets}
+    recordings = {each.digest for each in known.recordings}
+    runs, jobs = ({each.id for each in these} for these in (known.runs, known.jobs))
+    yield from left_over(
+        settings.sets_folder,
+        lambda path: path.suffix == ".h5" and path.stem in sets,
+        "no record names {path}: add it with darkflat store add, or delete it",
+    )
+    yield from left_over(
+        settings.recordings_folder,
+        lambda path: path.name in recordings,
+        "no record names {path}: make it known with darkflat store add-recording, or delete it",
+    )
+    yield from left_over(
+        settings.runs_folder,
+        lambda path: path.name.partition(".")[0] in runs,
+        "no run on record made {path}: make it known, or delete it",
+    )
+    yield from left_over(
+        settings.jobs_folder,
+        lambda path: path.name in jobs,
+        "no job on record left {path}: delete it",
+    )
     yield from under_way(settings.work_folder)

@@ -30,11 +30,3 @@ def check_recording(record: RecordingRecord) -> Iterator[Finding]:
             f"{path} is not what was known as {name}: its digest is {digest[:12]} now; restore it"
         )
         yield Finding(Kind.ALTERED, record.digest, path, text)
-
-
-def left_over_recordings(folder: Path, known: set[str]) -> Iterator[Finding]:
-    """Yield what lies in the uploads' folder without a record."""
-    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
-        if path.name not in known:
-            text = f"no record names {path}: make it known with darkflat store add-recording, or"
-            yield Finding(Kind.ORPHANED, path.name, path, f"{text} delete it")

@@ -22,14 +22,3 @@ def check_run(run: RunRecord, folder: Path, recordings: set[str]) -> Iterator[Fi
         if run.blocks_done > 0 and not needed.is_file():
             text = f"{needed} of run {run.id} ({run.state}) is gone: restore it, or abort the run"
             yield Finding(Kind.MISSING, run.id, needed, text)
-
-
-def left_over_runs(folder: Path, known: set[str]) -> Iterator[Finding]:
-    """Yield what lies in the runs' folder and belongs to no run."""
-    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
-        if path.name.startswith("."):
-            text = f"{path} was never finished: its writer was killed (delete it), or writes now"
-            yield Finding(Kind.HALF_WRITTEN, path.name, path, text)
-        elif path.name.partition(".")[0] not in known:
-            text = f"no run on record made {path}: make it known, or delete it"
-            yield Finding(Kind.ORPHANED, path.name, path, text)

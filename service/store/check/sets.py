@@ -59,14 +59,3 @@ def _compared(record: SetRecord, stored: "CoefficientSet", path: Path) -> Iterat
                 " copy"
             )
             yield Finding(Kind.ALTERED, record.id, path, text)
-
-
-def left_over_sets(folder: Path, known: set[str]) -> Iterator[Finding]:
-    """Yield what lies in the sets' folder without a record."""
-    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
-        if path.name.startswith("."):
-            text = f"{path} was never finished: its writer was killed (delete it), or writes now"
-            yield Finding(Kind.HALF_WRITTEN, path.name, path, text)
-        elif path.suffix != ".h5" or path.stem not in known:
-            text = f"no record names {path}: add it with darkflat store add, or delete it"
-            yield Finding(Kind.ORPHANED, path.name, path, text)
