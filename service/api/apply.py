@@ -15,7 +15,7 @@ from calib.radiometric.correction.apply import Correction
 from calib.radiometric.correction.apply_checks import Validity
 from calib.recording.header import MOST_PIXELS
 from service.api.dependencies import SettingsDep, StoreDep
-from service.api.openapi import problems
+from service.api.openapi import file_body, file_content, problems
 from service.api.radiance_stream import radiance_npz
 from service.api.raw_lines import UploadedLines, uploaded_lines
 from service.api.uploads import check_media_type, receive
@@ -54,18 +54,12 @@ class Taken(BaseModel):
         **problems(404, "not-certified", 413, 415),
         200: {
             "description": "An .npz with radiance, std and flags, and notes.json.",
-            "content": {_NPZ: {"schema": {"type": "string", "format": "binary"}}},
+            "content": file_content(_NPZ),
         },
     },
-    openapi_extra={
-        "requestBody": {
-            "required": True,
-            "description": "Raw lines, (n_lines, n_columns) uint8 or uint16, as .npy.",
-            "content": {
-                kind: {"schema": {"type": "string", "format": "binary"}} for kind in (_NPY, _BYTES)
-            },
-        }
-    },
+    openapi_extra=file_body(
+        "Raw lines, (n_lines, n_columns) uint8 or uint16, as .npy.", _NPY, _BYTES
+    ),
 )
 async def apply_set(
     set_id: str,

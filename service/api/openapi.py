@@ -83,6 +83,17 @@ def json_body(model: type[BaseModel], example: dict[str, Any]) -> dict[str, Any]
     return {"requestBody": {"required": True, "content": content}}
 
 
+def file_content(*media_types: str) -> dict[str, Any]:
+    """Return the `content` of a body that is a file of one of these types."""
+    return {each: {"schema": {"type": "string", "format": "binary"}} for each in media_types}
+
+
+def file_body(description: str, *media_types: str) -> dict[str, Any]:
+    """Return the `openapi_extra` of an operation that takes a file as its body."""
+    content = file_content(*media_types)
+    return {"requestBody": {"required": True, "description": description, "content": content}}
+
+
 def describe_api(app: FastAPI, *models: type[BaseModel]) -> None:
     """Make `app.openapi()` complete: every problem is a `Problem`, and `models` are in it."""
 

@@ -11,7 +11,7 @@ from service.api.access import Admin, Operator
 from service.api.answers.recording import RecordingAnswer, RecordingPage
 from service.api.dependencies import SettingsDep, StoreDep
 from service.api.importing import import_archive
-from service.api.openapi import problems
+from service.api.openapi import file_body, file_content, problems
 from service.api.paging import Before, Limit
 from service.api.recording_zip import files_of, zipped
 from service.api.uploads import uploaded
@@ -48,7 +48,7 @@ def get_recording(digest: str, store: StoreDep) -> RecordingAnswer:
         **problems(404),
         200: {
             "description": "A zip, as an import takes it.",
-            "content": {_ZIP: {"schema": {"type": "string", "format": "binary"}}},
+            "content": file_content(_ZIP),
         },
     },
 )
@@ -72,13 +72,9 @@ def delete_recording(digest: str, store: StoreDep, settings: SettingsDep, admin:
         **problems(413, 415, 507),
         200: {"model": RecordingAnswer, "description": "It was here already."},
     },
-    openapi_extra={
-        "requestBody": {
-            "required": True,
-            "description": "A zip of a recording folder, or of an .h5 and its .frames.jsonl.",
-            "content": {_ZIP: {"schema": {"type": "string", "format": "binary"}}},
-        }
-    },
+    openapi_extra=file_body(
+        "A zip of a recording folder, or of an .h5 and its .frames.jsonl.", _ZIP
+    ),
 )
 async def import_recording(
     *,

@@ -14,7 +14,7 @@ from service.api.answers.job import JobAnswer
 from service.api.archive_names import names_of_the_archive
 from service.api.dependencies import PartsDep
 from service.api.jobs.starting import start_job
-from service.api.openapi import problems
+from service.api.openapi import file_body, problems
 from service.api.unpacking import unpack
 from service.api.uploads import uploaded
 from service.settings import Settings
@@ -48,13 +48,7 @@ class Wanted(BaseModel):
     "",
     status_code=status.HTTP_202_ACCEPTED,
     responses=problems(413, 415, 429, 507),
-    openapi_extra={
-        "requestBody": {
-            "required": True,
-            "description": "A zip of a folder with mtf.toml and frames/.",
-            "content": {_ZIP: {"schema": {"type": "string", "format": "binary"}}},
-        }
-    },
+    openapi_extra=file_body("A zip of a folder with mtf.toml and frames/.", _ZIP),
 )
 async def start_transfer_function(
     *,

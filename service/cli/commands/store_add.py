@@ -16,11 +16,7 @@ def add(
     """Keep a coefficient set as a draft."""
     with answering(json) as answer:
         from calib.radiometric.coefficients.coefficient_set import CoefficientSet  # noqa: PLC0415
-        from service.cli.opened_store import opened_store, who  # noqa: PLC0415
-        from service.cli.set_record import show_record, told  # noqa: PLC0415
-        from service.store.actor import Actor  # noqa: PLC0415
+        from service.cli.set_step import take_step  # noqa: PLC0415
 
         coefficients = CoefficientSet.load(file)
-        with opened_store() as store:
-            record = store.sets.add(coefficients, by=Actor(by or who()))
-        answer.give(told(record), show_record(record))
+        take_step(answer, by, lambda sets, actor: sets.add(coefficients, by=actor))

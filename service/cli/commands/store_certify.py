@@ -25,17 +25,18 @@ def certify(
 ) -> None:
     """Certify a verified set for a time."""
     with answering(json) as answer:
-        from service.cli.opened_store import opened_store, who  # noqa: PLC0415
-        from service.cli.set_record import show_record, told, utc  # noqa: PLC0415
-        from service.store.actor import Actor  # noqa: PLC0415
+        from service.cli.set_record import utc  # noqa: PLC0415
+        from service.cli.set_step import take_step  # noqa: PLC0415
 
-        with opened_store() as store:
-            record = store.sets.certify(
+        take_step(
+            answer,
+            by,
+            lambda sets, actor: sets.certify(
                 set_id,
                 valid_from=utc(valid_from) or valid_from,
                 valid_until=utc(valid_until),
-                by=Actor(by or who()),
+                by=actor,
                 reason=reason,
                 supersedes=supersedes or (),
-            )
-        answer.give(told(record), show_record(record))
+            ),
+        )

@@ -16,10 +16,6 @@ def verify(
 ) -> None:
     """Say that a draft was looked at; its file is checked against its id."""
     with answering(json) as answer:
-        from service.cli.opened_store import opened_store, who  # noqa: PLC0415
-        from service.cli.set_record import show_record, told  # noqa: PLC0415
-        from service.store.actor import Actor  # noqa: PLC0415
+        from service.cli.set_step import take_step  # noqa: PLC0415
 
-        with opened_store() as store:
-            record = store.sets.verify(set_id, by=Actor(by or who()), reason=reason)
-        answer.give(told(record), show_record(record))
+        take_step(answer, by, lambda sets, actor: sets.verify(set_id, by=actor, reason=reason))
