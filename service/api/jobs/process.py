@@ -25,6 +25,19 @@ class Done:
     error: tuple[str, str] | None = None
 
 
+def do(kind: str, request: Mapping[str, Any], tell: Callable[[float], None]) -> Done:
+    """Do the work here and now, and say how it ended."""
+    try:
+        return Done(result=KINDS[kind](request, tell))
+    except DarkflatError as error:
+        return Done(error=(error.code, str(error)))
+    except OSError as error:
+        return Done(error=("system-error", f"{error.strerror or error}"))
+    except Exception:
+        _LOG.exception("a %s failed", kind)
+        return Done(error=DEFECT)
+
+
 def _work(kind: str, request: Mapping[str, Any], pipe: Connection) -> None:
     """Do the work in the new process; Ctrl-C at the server's terminal is the server's business."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -33,15 +46,7 @@ def _work(kind: str, request: Mapping[str, Any], pipe: Connection) -> None:
     # other longer than they work, and keep the API waiting too.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     log_of_child().job = str(request.get("job", ""))
-    try:
-        pipe.send(Done(result=KINDS[kind](request, pipe.send)))
-    except DarkflatError as error:
-        pipe.send(Done(error=(error.code, str(error))))
-    except OSError as error:
-        pipe.send(Done(error=("system-error", f"{error.strerror or error}")))
-    except Exception:
-        _LOG.exception("a %s failed", kind)
-        pipe.send(Done(error=DEFECT))
+    pipe.send(do(kind, request, pipe.send))
 
 
 class JobProcess:

@@ -1,9 +1,11 @@
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
 
+from service.api.jobs.process import Done, do
 from service.app import create_app
 from service.settings import Settings
 from service.store.store import Store
@@ -34,6 +36,25 @@ def client(settings: Settings) -> Iterator[TestClient]:
         create_app(settings), base_url="http://127.0.0.1", raise_server_exceptions=False
     ) as started:
         yield started
+
+
+class HereAndNow:
+    """In place of a job's process: the work itself, where the process is not what is tried."""
+
+    def __init__(self, kind: str, request: Mapping[str, Any]) -> None:
+        self._kind, self._request = kind, request
+
+    def wait(self, tell: Callable[[float], None]) -> Done:
+        return do(self._kind, self._request, tell)
+
+    def kill(self) -> None:
+        """It ends by itself."""
+
+
+@pytest.fixture
+def here_and_now(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let jobs be done without a process of their own, which takes seconds to begin."""
+    monkeypatch.setattr("service.api.jobs.runner.JobProcess", HereAndNow)
 
 
 @pytest.fixture

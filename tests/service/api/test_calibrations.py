@@ -43,6 +43,7 @@ def ended(client: TestClient, place: str) -> dict[str, Any]:
         time.sleep(0.05)
 
 
+@pytest.mark.usefixtures("here_and_now")
 def test_what_cannot_be_calibrated_fails_with_the_sentence_of_the_calibration(
     client: TestClient, tmp_path: Path
 ) -> None:
@@ -84,6 +85,7 @@ def test_a_tone_that_cannot_be_starts_no_job(client: TestClient, digest: str) ->
     assert client.get("/v1/jobs").json()["items"] == []
 
 
+@pytest.mark.usefixtures("here_and_now")
 def test_a_tone_is_removed_as_on_the_command_line(
     client: TestClient, digest: str, recording_file: Path
 ) -> None:
@@ -101,6 +103,7 @@ def test_a_tone_is_removed_as_on_the_command_line(
     assert job["request"]["tone"] == tone
 
 
+@pytest.mark.usefixtures("here_and_now")
 def test_a_models_departures_are_taken_out_as_on_the_command_line(
     client: TestClient, digest: str, recording_file: Path
 ) -> None:

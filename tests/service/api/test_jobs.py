@@ -65,6 +65,7 @@ def without_files(told: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in told.items() if name not in {"written", "path"}}
 
 
+@pytest.mark.usefixtures("here_and_now")
 def test_a_photon_transfer_answers_as_the_command_and_leaves_its_data_sheet(
     client: TestClient, recording_file: Path, settings: Settings, run: Run
 ) -> None:
