@@ -22,10 +22,12 @@ async def show_file(job_id: str, name: str, request: Request) -> Response:
     return await run_in_threadpool(get_job_file, job_id, name, store=store, runner=runner)
 
 
-def draw_files(visitor: Visitor, job_id: str) -> None:
-    """Draw a link to each file that a job left."""
+def draw_files(visitor: Visitor, job_id: str, *, view: str = "") -> None:
+    """Draw a link to each file that a job left, and before them one to the view of its figures."""
     files = visitor.parts.runner.files.of(job_id)
-    if files:
+    if files or view:
         with ui.row().classes("df-actions"):
+            if view:
+                ui.link("Figures", f"/{view}?job={job_id}")
             for file in files:
                 ui.link(file.name, f"/jobs/{job_id}/files/{file.name}", new_tab=True)

@@ -55,9 +55,8 @@ class JobList:
                 ui.button("Cancel", on_click=lambda: self._cancel(job.id)).props(
                     f'outline dense no-caps aria-label="Cancel {job.kind}"'
                 )
-            if job.state == "succeeded" and job.kind in _VIEWS:
-                ui.link("Figures", f"/{_VIEWS[job.kind]}?job={job.id}")
-        draw_files(self._visitor, job.id)
+        view = _VIEWS.get(job.kind, "") if job.state == "succeeded" else ""
+        draw_files(self._visitor, job.id, view=view)
         if job.error_message is not None:
             ui.label(job.error_message).classes("df-trouble")
 

@@ -46,7 +46,9 @@ DIAGNOSIS: dict[str, Any] = {
 }
 
 
-def fill_store(home: Path, recording: Path, *, notes: int = 0) -> tuple[str, str]:
+def fill_store(
+    home: Path, recording: Path, *, name: str = "six flats", notes: int = 0
+) -> tuple[str, str]:
     """Fill the store of `home`; return the digest of its recording and a set's id.
 
     The log gets `notes` entries beside.
@@ -55,7 +57,7 @@ def fill_store(home: Path, recording: Path, *, notes: int = 0) -> tuple[str, str
     settings = Settings(home=home)
     home.mkdir(parents=True, exist_ok=True)
     with Store.open(settings) as store:
-        kept = store.recordings.register(opened, name="six flats", by=BY)
+        kept = store.recordings.register(opened, name=name, by=BY)
         sets = [
             store.sets.add(calibrate(opened, order=order).coefficients, by=BY, reason="calibrated")
             for order in (2, 4)

@@ -11,7 +11,8 @@ from calib.forward.model import Model
 from service.cli.simulated_recording import simulate_recording
 from service.plan.model import Plan
 from tests.service.page.filled import fill_store
-from tests.service.page.serving import SIZE, browser, serving
+from tests.service.page.serving import SIZE, Watched, browser, serving
+from tests.service.page.story_of_results import choose_by_keyboard
 
 RECORDED = """
 name = "sixteen flats"
@@ -62,13 +63,15 @@ def main() -> None:
         scenes = Path(folder) / "scenes"
         plan = Plan.loads(RECORDED)
         simulate_recording(Model.preset("demo"), plan, recording, seed=17, scenes_folder=scenes)
-        digest, set_id = fill_store(home, recording)
+        digest, set_id = fill_store(home, recording, name="sixteen flats")
         with serving(home) as url, sync_playwright() as playwright:
             started = browser(playwright)
             take_photon_transfer(started.new_page(base_url=url), digest)
             for scheme in ("light", "dark"):
                 context = started.new_context(viewport=SIZE, base_url=url, color_scheme=scheme)
-                draw(context.new_page(), out, scheme, digest, set_id)
+                page = context.new_page()
+                page.set_default_timeout(120_000)
+                draw(Watched(page, url), out, scheme, digest, set_id)
             started.close()
 
 
@@ -78,10 +81,14 @@ def take_photon_transfer(page: Page, digest: str) -> None:
     page.get_by_text("photon-transfer: succeeded").wait_for(timeout=300_000)
 
 
-def draw(page: Page, out: Path, scheme: str, digest: str, set_id: str) -> None:
-    def taken(name: str) -> None:
-        page.wait_for_load_state("load")
-        page.wait_for_timeout(2500)
+def draw(watched: Watched, out: Path, scheme: str, digest: str, set_id: str) -> None:
+    page = watched.page
+
+    def taken(name: str, *figures: str) -> None:
+        """Take a picture once the figures are drawn."""
+        for figure in figures:
+            watched.wait_for_data(figure, 1)
+        page.wait_for_timeout(1500)
         page.screenshot(path=out / f"page-{name}-{scheme}.png")
 
     page.goto("/page/runs")
@@ -94,26 +101,27 @@ def draw(page: Page, out: Path, scheme: str, digest: str, set_id: str) -> None:
     page.goto("/page/")
     page.get_by_text("recording 00").first.wait_for(timeout=60_000)
     page.wait_for_timeout(6000)
-    taken("bench")
+    taken("bench", "Line profile", "Waterfall")
     page.goto(f"/page/recordings?recording={digest}")
+    page.get_by_text("diagnose: succeeded").wait_for()
     taken("recordings")
     page.goto(f"/page/coefficient-sets?set={set_id}")
-    taken("coefficient-sets")
-    page.get_by_label("Compare with").click()
-    page.get_by_role("option").first.click()
-    taken("comparison")
+    taken("coefficient-sets", "DN0", "VE", "QE")
+    choose_by_keyboard(page, "Compare with", "")
+    taken("comparison", "Difference in DN0", "Difference in VE", "Difference in QE")
     page.goto(f"/page/correction?set={set_id}")
-    taken("correction")
+    taken("correction", "Before and after", "Radiance profile", "Radiance image")
     page.goto("/page/sensor")
     page.get_by_role("button", name="Show Photon transfer").first.click()
-    taken("photon-transfer")
+    taken("photon-transfer", "Photon transfer residuals", "Linearity residuals")
     page.get_by_role("button", name="Show MTF").first.click()
-    taken("mtf")
+    taken("mtf", "MTF", "PTF", "Point spread")
     page.goto("/page/diagnosis")
     page.get_by_role("button", name="Show").first.click()
-    taken("diagnosis")
+    taken("diagnosis", "Deviance before and after")
     page.goto("/page/audit")
     page.get_by_role("button", name="Verify").click()
+    page.get_by_text("Whole: ").wait_for()
     taken("audit")
     page.get_by_role("button", name="Safe-off").click()
     page.get_by_text("Every lamp is off").wait_for()
