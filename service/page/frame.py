@@ -28,6 +28,8 @@ VIEWS: Final = {
     "/audit": "Audit",
 }
 _STATE_S = 1.0
+_BUSY_S = 30.0
+"""So long a view may take on a machine that measures and calculates; then the browser is told."""
 
 
 def view(path: str) -> Callable[[Body], Body]:
@@ -54,7 +56,8 @@ def view(path: str) -> Callable[[Body], Body]:
                 await body(visitor)
             return None
 
-        ui.page(path, title=f"{VIEWS[path]} · darkflat")(shown)
+        title = f"{VIEWS[path]} · darkflat"
+        ui.page(path, title=title, response_timeout=_BUSY_S)(shown)
         return body
 
     return register

@@ -17,7 +17,10 @@ from service.store.records import JobRecord
 
 _REFRESH_S = 2.0
 _KINDS: Final = {"photon-transfer": "Photon transfer", "transfer-function": "MTF"}
-_BARS = "Bars and bands are two standard uncertainties (k = 2), of the points alone."
+_BARS = (
+    "Bars and bands are two standard uncertainties (k = 2), of the points alone. Grey flats have no"
+    " part in the line, which is EMVA 1288's; clipped ones have no residual."
+)
 _FIGURES: Final = {
     "system_gain_dn_per_e": "system gain",
     "read_noise_e": "read noise",

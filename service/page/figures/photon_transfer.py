@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from service.page.figures.plot import FIRST, SECOND, SOFT, Figure, dots, figure, straight
 
+Vector = NDArray[np.float64]
+_CLIPPED: Final = 0.002
 _SIGNAL: Final = "µ − µ<sub>dark</sub> / DN"
 
 
@@ -27,18 +29,20 @@ class Points:
         variance_dn2: Temporal variance less the dark's.
         variance_std: Its standard uncertainty, DN².
         in_fit: Whether the system gain is from it: 0 to 70 % of saturation.
+        is_clipped: Whether more than 0.2 % of its samples stand at full scale.
         gain: Slope of variance against signal, through the origin, DN/e-; NaN where unknown.
         offset: Of the line of the signal against the light, DN; NaN where there is none.
         slope: Of that line, DN per unit of `light`.
     """
 
-    light: NDArray[np.float64]
+    light: Vector
     light_name: str
-    signal_dn: NDArray[np.float64]
-    signal_std: NDArray[np.float64]
-    variance_dn2: NDArray[np.float64]
-    variance_std: NDArray[np.float64]
+    signal_dn: Vector
+    signal_std: Vector
+    variance_dn2: Vector
+    variance_std: Vector
     in_fit: NDArray[np.bool_]
+    is_clipped: NDArray[np.bool_]
     gain: float
     offset: float
     slope: float
@@ -59,6 +63,7 @@ class Points:
             variance_dn2=_numbers(curve["variance_dn2"]),
             variance_std=_numbers(curve["variance_std"]),
             in_fit=np.asarray(curve["in_transfer"], dtype=np.bool_),
+            is_clipped=_numbers(curve["share_at_full_scale"]) > _CLIPPED,
             gain=float("nan") if gain is None else float(gain),
             offset=float(offset),
             slope=float(slope / per_exposed),
@@ -67,31 +72,33 @@ class Points:
 
 def mean_variance(points: Points) -> Figure:
     """Temporal variance against signal, and the straight line of the system gain."""
-    line = straight(points.signal_dn, 0.0, points.gain, name=f"{points.gain:.4g} DN/e⁻ (EMVA)")
-    flats = _split(points, points.signal_dn, points.variance_dn2, points.variance_std)
+    line = straight(points.signal_dn, 0.0, points.gain, name=f"{points.gain:.4g} DN/e⁻")
+    y, std = points.variance_dn2, points.variance_std
+    flats = _split(points.in_fit, points.signal_dn, y, std)
     traces = [line, *flats] if np.isfinite(points.gain) else flats
     return figure(traces, x=_SIGNAL, y="σ² − σ²<sub>dark</sub><br>DN²", showlegend=True)
 
 
 def mean_variance_residuals(points: Points) -> Figure:
-    """What the line leaves of the variance, in percent of it."""
-    left = _relative(points.variance_dn2, points.variance_std, points.gain * points.signal_dn)
-    return _residuals(_split(points, points.signal_dn, *left), _SIGNAL)
+    """What the line leaves of the variance, in percent of it; nothing of clipped flats."""
+    line = points.gain * points.signal_dn
+    left = _relative(points, points.variance_dn2, points.variance_std, line)
+    return _residuals(_split(points.in_fit, points.signal_dn, *left), _SIGNAL)
 
 
 def linearity(points: Points) -> Figure:
     """Signal against light, and the straight line of the least relative deviation."""
     line = straight(points.light, points.offset, points.slope, name="straight line")
-    measured = dots(points.light, points.signal_dn, points.signal_std, name="flats")
-    traces = [line, measured] if np.isfinite(points.slope) else [measured]
+    flats = _split(~points.is_clipped, points.light, points.signal_dn, points.signal_std)
+    traces = [line, *flats] if np.isfinite(points.slope) else flats
     return figure(traces, x=points.light_name, y=_SIGNAL, showlegend=True)
 
 
 def linearity_residuals(points: Points) -> Figure:
-    """What the line leaves of the signal, in percent of it."""
+    """What the line leaves of the signal, in percent of it; nothing of clipped flats."""
     line = points.offset + points.slope * points.light
-    left = _relative(points.signal_dn, points.signal_std, line)
-    return _residuals([dots(points.light, *left, name="flats")], points.light_name)
+    left = _relative(points, points.signal_dn, points.signal_std, line)
+    return _residuals(_split(~points.is_clipped, points.light, *left), points.light_name)
 
 
 def _residuals(traces: list[dict[str, Any]], x: str) -> Figure:
@@ -100,25 +107,22 @@ def _residuals(traces: list[dict[str, Any]], x: str) -> Figure:
     return made
 
 
-def _relative(
-    value: NDArray[np.float64], std: NDArray[np.float64], line: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return residuals and their standard uncertainties in percent of `line`; a gap where 0."""
-    there = np.where(line > 0, line, np.nan)
+def _relative(points: Points, value: Vector, std: Vector, line: Vector) -> tuple[Vector, Vector]:
+    """Return residuals and their standard uncertainties in percent of `line`, with gaps."""
+    there = np.where((line > 0) & ~points.is_clipped, line, np.nan)
     return 100.0 * (value / there - 1.0), 100.0 * std / there
 
 
-def _split(
-    points: Points, x: NDArray[np.float64], y: NDArray[np.float64], std: NDArray[np.float64]
-) -> list[dict[str, Any]]:
-    """Return what is in the fit, and what is not, in grey."""
-    kinds = ((points.in_fit, "in the fit", FIRST), (~points.in_fit, "beyond 70 %", SOFT))
+def _split(used: NDArray[np.bool_], x: Vector, y: Vector, std: Vector) -> list[dict[str, Any]]:
+    """Return flats that are used, then others, in grey and without a name in the legend."""
+    kinds = ((used, "flats", FIRST), (~used, "left out", SOFT))
     return [
         dots(x[chosen], y[chosen], std[chosen], name=name, color=color)
+        | {"showlegend": chosen is used}
         for chosen, name, color in kinds
         if chosen.any()
     ]
 
 
-def _numbers(values: Any) -> NDArray[np.float64]:
+def _numbers(values: Any) -> Vector:
     return np.array([np.nan if each is None else each for each in values], dtype=np.float64)

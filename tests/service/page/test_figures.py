@@ -79,6 +79,7 @@ SHEET: dict[str, Any] = {
             "variance_dn2": [510.1, 1000.0, 1930.5],
             "variance_std": [5.05, 10.0, 19.5],
             "in_transfer": [True, True, False],
+            "share_at_full_scale": [0.0, 0.0, 0.001],
             "line": [10.0, 10.0],
         }
     },
@@ -101,6 +102,15 @@ def test_a_data_sheet_s_lines_leave_what_is_off_them_in_percent() -> None:
     line = linearity(points)["data"][0]
     np.testing.assert_allclose(unpacked(line["y"]), [10.0, 4010.0])
     assert mean_variance(points)["layout"]["xaxis"]["title"]["text"].endswith("/ DN")
+
+
+def test_a_clipped_flat_is_grey_and_leaves_no_residual() -> None:
+    curve = {**SHEET["curves"]["transfer"], "share_at_full_scale": [0.0, 0.0, 0.3]}
+    points = Points.of({**SHEET, "curves": {"transfer": curve}})
+    for drawn in (mean_variance_residuals, linearity_residuals):
+        _, clipped = drawn(points)["data"]
+        assert np.isnan(unpacked(clipped["y"])).all()
+    assert unpacked(linearity(points)["data"][2]["x"]).tolist() == [1200.0]
 
 
 def test_without_photons_the_light_is_exposure_times_level() -> None:
