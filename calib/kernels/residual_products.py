@@ -18,6 +18,9 @@ COLUMN_LAGS = 4
 LINE_LAGS = 2
 """Likewise of lines, or frames."""
 
+SETTLED = 0.1
+"""Of a cut, half a standard deviation: a second step that is longer has farther to go."""
+
 Floats = NDArray[np.float64]
 
 
@@ -145,12 +148,10 @@ def _deviations(line, reference, cut, now, total, outliers):  # type: ignore[no-
     for c in range(n):
         now[c] = float(line[c]) - reference[c]
         level += now[c]
-    level /= n
-    for _ in range(2):
-        clipped = 0.0
-        for c in range(n):
-            clipped += min(max(now[c] - level, -cut[c]), cut[c])
-        level += clipped / n
+    level, settled = _settled(now, cut, level / n)
+    if not settled:
+        # A ray of a thousand times the noise draws the mean so far off that all others are out.
+        level, _ = _settled(now, cut, np.median(now))
     found = 0
     for c in range(n):
         found += abs(now[c] - level) > cut[c]
@@ -161,6 +162,20 @@ def _deviations(line, reference, cut, now, total, outliers):  # type: ignore[no-
                 now[c] = level
     for c in range(n):
         total[c] += now[c]
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _settled(off, cut, level):  # type: ignore[no-untyped-def]  # compiled
+    """Return the level to which deviations pull, none by more than its cut, and whether it is."""
+    step = 0.0
+    for _ in range(2):
+        clipped, most = 0.0, 0.0
+        for c in range(off.shape[0]):
+            clipped += min(max(off[c] - level, -cut[c]), cut[c])
+            most += cut[c]
+        step = clipped / off.shape[0]
+        level += step
+    return level, abs(step) <= SETTLED * most / off.shape[0]
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})

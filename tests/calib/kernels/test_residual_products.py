@@ -48,6 +48,17 @@ def test_a_sample_far_off_counts_and_is_left_out() -> None:
     assert sums.squares.max() < 60.0**2
 
 
+def test_a_sample_a_thousand_times_the_noise_takes_no_other_with_it() -> None:
+    samples, mean = drawn(1)
+    samples[4, 0, 7] = 65_535
+    tap = np.zeros((1, 12), np.intp)
+    sums = residual_products(samples, mean, np.full((1, 12), 60.0), tap, 1, NO_PARTNER)
+    assert sums.outliers.tolist() == [[0] * 7 + [1] + [0] * 4]
+    others = np.delete(samples[4, 0] - mean[0], 7).mean()
+    # The level of the others, to which the outlier is put, may be drawn by its cut over 12 twice.
+    assert abs(sums.line_means[4, 0, 0] - others) < 2 * 60.0 / 12
+
+
 def test_a_line_that_is_off_as_a_whole_is_no_outlier() -> None:
     samples, mean = drawn(1)
     samples[0] += 500
