@@ -17,8 +17,9 @@ TAIL_CHANCE = 30.0
 """Variance of the counts at and below the lowest code, where Gaussian tails are not exact."""
 MOST_CONTRAST = 30.0
 """In standard deviations: one code that is far off is not the roughness of all."""
-SMOOTH_DN2 = 0.35
-"""Below this variance most samples of a pixel share a code, and their histogram is no Gaussian."""
+SMOOTH_DN2 = 0.25
+"""Below this variance, 0.41 DN of noise, a pixel's mean is off by 0.012 DN or more with its phase
+in a code, and most of its samples share one: their histogram is no Gaussian about the mean."""
 CLASSES = 16
 """Codes are also counted by their remainder after this: what repeats within it is a comb."""
 BIT_ERROR = 0.0015
