@@ -151,7 +151,7 @@ def examine(
         _figures(model, evidence),
         remarks=(
             *limits(RecordingHeader(camera=evidence.table.camera, blocks=evidence.table.blocks)),
-            *steps(evidence.sums, evidence.table.names),
+            *steps(evidence.sums, evidence.table.names, evidence.sensor),
             *known_strengths.remarks(m.effect for m in model.members),
         ),
     )

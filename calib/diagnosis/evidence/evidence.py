@@ -156,7 +156,8 @@ class Evidence:
     @cached_property
     def _observed(self) -> Change:
         return Change(
-            self.observed_means, onset_seen(self.sums), self.pooled.observed, self.rare_space.seen,
+            self.observed_means, onset_seen(self.sums, self.sensor), self.pooled.observed,
+            self.rare_space.seen,
             self.excess_variance,
             self.code_counts.residual(),
             self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),

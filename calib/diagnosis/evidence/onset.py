@@ -10,15 +10,16 @@ from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.common_noise import CommonNoise
 from calib.diagnosis.statistics.pooled import ONSET_LINES
+from calib.diagnosis.statistics.whole_lines import whole_lines
 
 Floats = NDArray[np.float64]
 
 
-def onset_seen(sums: Sequence[BlockSums]) -> Floats:
+def onset_seen(sums: Sequence[BlockSums], sensor: Sensor) -> Floats:
     """Return the first lines' means less those of the later half, DN, (n_blocks, ONSET_LINES)."""
     onset = np.zeros((len(sums), ONSET_LINES))
     for b, each in enumerate(sums):
-        line = each.products.line_means.mean(axis=(1, 2))
+        line = whole_lines(each, sensor)
         k = min(ONSET_LINES, len(line) // 2)
         onset[b, :k] = line[:k] - line[len(line) // 2 :].mean()
     return onset

@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
+from calib.diagnosis.statistics.whole_lines import whole_lines
 
 Floats = NDArray[np.float64]
 
@@ -21,9 +23,9 @@ UNLIKELY = 0.01
 """A step is told where chance makes one so seldom in a recording."""
 
 
-def steps(sums: Sequence[BlockSums], names: Sequence[str]) -> tuple[str, ...]:
+def steps(sums: Sequence[BlockSums], names: Sequence[str], sensor: Sensor) -> tuple[str, ...]:
     """Return a sentence for each block whose lines step."""
-    means = [each.products.line_means.mean(axis=(1, 2)) for each in sums]
+    means = [whole_lines(each, sensor) for each in sums]
     looks = sum(max(len(m) - 2 * SHORTEST + 1, 0) for m in means)
     told = []
     for name, line_means in zip(names, means, strict=True):
