@@ -5,14 +5,16 @@ from math import exp
 from typing import NamedTuple
 
 from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.imperfection import left_by_others
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.refit import misfit
 from calib.diagnosis.naming.shapes import Shape
 from calib.diagnosis.naming.template_error import temper
+from calib.diagnosis.naming.unnamed import odds_of_none
 
 MOST_CANDIDATES = 3
 HELD = 0.995
-"""Names are told until their probabilities make up this much."""
+"""Names are told until their probabilities make up this much of all names'."""
 CLOSE = 25.0
 """Only names within so much tempered deviance of the best one are fitted."""
 MOST_FITTED = 2
@@ -24,7 +26,7 @@ class Candidate:
 
     Attributes:
         effect: Its name.
-        probability: Among the candidates.
+        probability: That it is this; of all candidates together, that it is one of the catalogue.
         gain: Deviance that it explains beside the other effects, after its price.
     """
 
@@ -47,7 +49,10 @@ class Explained(NamedTuple):
 
 def candidates_of(k: int, model: Model, contest: Contest) -> tuple[Candidate, ...]:
     """Return the names that member `k` of the model could have, the likeliest first."""
-    return told(explained_by(k, model, contest), temper(contest.own_gain(model, k)))
+    explained, evidence = explained_by(k, model, contest), contest.evidence
+    own = explained[model.members[k].signature.shape.name]
+    none = odds_of_none(own.net, left_by_others(k, model, evidence))
+    return told(explained, temper(contest.own_gain(model, k)), none)
 
 
 def explained_by(k: int, model: Model, contest: Contest) -> dict[str, Explained]:
@@ -77,22 +82,25 @@ def _explained(deviance: float, price: float, shape: Shape) -> Explained:
     return Explained(deviance + credit, price + credit)
 
 
-def told(explained: dict[str, Explained], tempered: float) -> tuple[Candidate, ...]:
+def told(
+    explained: dict[str, Explained], tempered: float, none: float = 0.0
+) -> tuple[Candidate, ...]:
     """Return the likeliest names and their probabilities.
 
     Errors of signatures temper what is explained; a price, the odds before anything was seen and
-    what freedom costs, they do not.
+    what freedom costs, they do not. Against the names stand the odds of `none` of them.
     """
     odds = {name: 0.5 * (tempered * one.deviance - one.price) for name, one in explained.items()}
     top = max(odds.values())
     weights = {name: exp(each - top) for name, each in odds.items()}
-    total = sum(weights.values())
+    named = sum(weights.values())
+    total = (1.0 + none) * named
     found = sorted(
         (Candidate(name, w / total, explained[name].net) for name, w in weights.items()),
         key=lambda candidate: -candidate.probability,
     )
     kept: list[Candidate] = []
     for each in found[:MOST_CANDIDATES]:
-        if sum(c.probability for c in kept) < HELD:
+        if sum(c.probability for c in kept) < HELD * named / total:
             kept.append(each)
     return tuple(kept)
