@@ -26,7 +26,8 @@ from service.page.live import Live
 from service.page.page_headers import PLACE, PageHeaders
 from service.page.sessions import Sessions
 
-_RECONNECT_S = 10.0
+_RECONNECT_S = 30.0
+"""A browser that is not heard for so long loads its view anew; on a busy machine 10 s are short."""
 
 
 def mount_page(app: FastAPI) -> None:
