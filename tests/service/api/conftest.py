@@ -1,14 +1,13 @@
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
 
-from service.api.jobs.process import Done, do
 from service.app import create_app
 from service.settings import Settings
 from service.store.store import Store
+from tests.service.api.here_and_now import HereAndNow
 from tests.service.cli.a_recording import plan_file, recording_file
 
 __all__ = ["plan_file", "recording_file"]
@@ -36,19 +35,6 @@ def client(settings: Settings) -> Iterator[TestClient]:
         create_app(settings), base_url="http://127.0.0.1", raise_server_exceptions=False
     ) as started:
         yield started
-
-
-class HereAndNow:
-    """In place of a job's process: the work itself, where the process is not what is tried."""
-
-    def __init__(self, kind: str, request: Mapping[str, Any]) -> None:
-        self._kind, self._request = kind, request
-
-    def wait(self, tell: Callable[[float], None]) -> Done:
-        return do(self._kind, self._request, tell)
-
-    def kill(self) -> None:
-        """It ends by itself."""
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ from service.api.jobs.process import JobProcess
 from service.app import create_app
 from service.settings import Settings
 from service.store.store import Store
+from tests.service.api.here_and_now import HereAndNow
 from tests.service.api.packing import as_files
 from tests.service.api.test_calibrations import PLACE, ZIP, digest, ended
 
@@ -31,6 +32,7 @@ def test_an_unknown_recording_is_not_found(client: TestClient) -> None:
     assert (answer.status_code, answer.json()["code"]) == (404, "not-found")
 
 
+@pytest.mark.usefixtures("here_and_now")
 def test_a_recording_that_was_lost_fails_the_job(
     client: TestClient, digest: str, settings: Settings
 ) -> None:
@@ -63,7 +65,7 @@ def test_a_job_is_cancelled_for_good_whether_it_waits_or_runs(
     assert [client.get(place).json()["state"] for place in places] == ["cancelled"] * 3
     assert client.get("/v1/coefficient-sets").json()["items"] == []
     assert len(client.get("/v1/jobs").json()["items"]) == 3
-    monkeypatch.undo()
+    monkeypatch.setattr("service.api.jobs.runner.JobProcess", HereAndNow)
     last = client.post(PLACE, json={"recording": digest})  # the queue goes on
     assert ended(client, last.headers["Location"])["state"] == "succeeded"
 
