@@ -127,6 +127,9 @@ def _scaled(  # noqa: PLR0911 - one for each unit
     if told.unit == "e-":
         if told.neutral == inf:
             return tuple(scales.most_e * share for share in (0.8, 0.6, 0.4, 0.9))
+        if remembers and told.low >= 1.0 and told.high >= 1e9:
+            # Traps that a block fills, by half and more where it is bright.
+            return (scales.most_e * scales.n_lines,)
         if told.low >= 1.0 and told.high >= 1e9:
             return tuple(scales.most_e * share for share in (1.0, 10.0, 100.0))
         return (value,)

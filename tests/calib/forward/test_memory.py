@@ -149,6 +149,32 @@ def test_traps_that_hold_less_than_an_electron_release_it_now_and_then(seed: int
     assert score(read.var(), wanted, np.sqrt((wanted + 2 * wanted**2) / n)) < 5
 
 
+@seeds
+def test_traps_fill_and_then_no_more_is_lost(seed: int) -> None:
+    share, filled_by, n_lines = 0.1, 20_000.0, 60
+    traps, lit = Persistence(share, 1e4, filled_by), 4 * ELECTRONS_PER_LAMP
+    lines = np.random.default_rng(seed).poisson(lit, (n_lines, COLUMNS)).astype(float)
+    read, held = traps.carry(lines, at(n_lines), np.random.default_rng(seed))
+    free = share * filled_by * np.exp(-lit / filled_by * np.arange(n_lines + 1))
+    caught = -np.diff(free)
+    # What light of mean m misses of exp(-m / F) by its own scatter, m / F^2 / 2, is 3e-6 a line.
+    for n in (0, 20, 59):
+        lost = (lines - read)[n]
+        assert score(lost.mean(), caught[n], np.sqrt(caught[n] / COLUMNS)) < 5
+    assert score(held.mean(), caught.sum(), np.sqrt(caught.sum() / COLUMNS)) < 5
+    expected = traps.expected_left(np.full((1, COLUMNS), lit), at(n_lines))
+    assert np.allclose(expected, caught.sum(), rtol=1e-5)
+
+
+@pytest.mark.parametrize("filled_by", [3e2, 1e4, 1e12])
+def test_steady_light_leaves_what_as_many_lines_leave_one_by_one(filled_by: float) -> None:
+    traps = Persistence(0.2, 0.004, filled_by)
+    before = Left(0.0, {traps.name: np.full(3, 25.0)}, drawn=False)
+    here, lit = at(40, 0.001, before), np.array([0.0, 30.0, 3000.0])
+    one_by_one = traps.expected_left(np.tile(lit, (40, 1)), here)
+    assert np.allclose(traps.expected_left(lit[None], here), one_by_one, rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     "effect", [Lag(share=0.2), Persistence(share=0.1, time_constant_s=0.02)], ids=lambda e: e.name
 )
