@@ -1,7 +1,7 @@
 """Noise-free lines that stand for a whole block: what effects change without any chance.
 
 What changes smoothly within a block is told by three lines, what starts anew in each block by its
-first lines and a few later ones, between which it runs straight.
+first lines and a few later ones, between which it runs smoothly.
 """
 
 from collections.abc import Sequence
@@ -10,6 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from calib.arrays import Columns
 from calib.diagnosis.simulation.chain_run import FittedChain
@@ -86,7 +87,7 @@ def _by_stretches(
     counts = chain.table.n_lines.astype(int).tolist()
     for b, n in enumerate(counts):
         left = _as_it_is(lefts[b], effects)
-        for each in spread_lines(n)[0]:
+        for each in spread_lines(n):
             lines.append((b, each))
             kept = chain.left_after(b, int(each[0]), effects, left)
             before.append(_as_it_is(kept, effects))
@@ -94,44 +95,51 @@ def _by_stretches(
     found = chain.noise_free(stack, effects, draw)
     sampled, start = [], 0
     for b, n in enumerate(counts):
-        weights = spread_lines(n)[1]
-        change = found[start : start + len(weights)] - chain.baseline.mean_dn[b].ravel()
-        start += len(weights)
-        sampled.append(SampledLines(change, weights, _first(len(weights)), _straight(n)))
+        between = _smooth(n)
+        stop = start + between.shape[1]
+        change = found[start:stop] - chain.baseline.mean_dn[b].ravel()
+        sampled.append(SampledLines(change, between.mean(axis=0), _first(between), between))
+        start = stop
     return sampled
 
 
-@lru_cache
-def _first(n: int) -> Floats:
-    """Return the weights of lines in the first ones less the later half's mean, (k, n)."""
-    later = np.where(np.arange(n) >= n // 2, 1.0 / (n - n // 2), 0.0)
-    return np.asarray(np.eye(n)[:ONSET_LINES] - later)
+def _first(between: Floats) -> Floats:
+    """Return the weights of lines in the first ones less the later half's mean, (3 or fewer, k)."""
+    return np.asarray(between[:ONSET_LINES] - between[len(between) // 2 :].mean(axis=0))
 
 
 @lru_cache
-def _straight(n: int) -> Floats:
-    """Return the weights of spread lines in each of `n` lines, straight in between, (n, k)."""
-    lines = np.concatenate(spread_lines(n)[0])
-    return np.stack([np.interp(np.arange(n), lines, one) for one in np.eye(len(lines))], axis=1)
+def _smooth(n: int) -> Floats:
+    """Return the weights of spread lines in each of `n` lines, (n, k).
+
+    The first lines are as they are, and a step in them is over; cubics run from the last of them.
+    """
+    stretches = spread_lines(n)
+    lines, steps = np.concatenate(stretches), len(stretches[0]) - 1
+    if len(lines) == n:
+        return np.eye(n)
+    between = np.zeros((n, len(lines)))
+    between[:steps, :steps] = np.eye(steps)
+    later = CubicSpline(lines[steps:], np.eye(len(lines) - steps), bc_type="natural")
+    between[steps:, steps:] = later(np.arange(steps, n))
+    return between
 
 
 @lru_cache
-def spread_lines(n: int) -> tuple[tuple[Columns, ...], Columns]:
-    """Return stretches of lines that stand for a block of `n`, and the weight of each line.
+def spread_lines(n: int) -> tuple[Columns, ...]:
+    """Return stretches of lines that stand for a block of `n`.
 
     The first lines count for themselves, since there a step from the block before shows.
     """
     if n <= 16:
-        return (np.arange(n, dtype=np.float64),), np.full(n, 1.0 / n)
-    starts = (0, n // 8, n // 4, n // 2, 3 * n // 4, n - 2)
-    lengths = (6, 1, 1, 2, 1, 2)
+        return (np.arange(n, dtype=np.float64),)
+    starts = (0, n // 16, n // 8, n // 4, n // 2, 3 * n // 4, n - 2)
+    lengths = (6, 1, 1, 1, 2, 1, 2)
     stretches: list[Columns] = []
     for start, length in zip(starts, lengths, strict=True):
         first = max(start, int(stretches[-1][-1]) + 1 if stretches else 0)
         stretches.append(np.arange(first, min(first + length, n), dtype=np.float64))
-    lines = np.concatenate(stretches)
-    edges = np.concatenate([[-0.5], (lines[1:] + lines[:-1]) / 2, [n - 0.5]])
-    return tuple(s for s in stretches if len(s)), np.diff(edges) / n
+    return tuple(s for s in stretches if len(s))
 
 
 def _undivided(effect: Effect) -> Effect:

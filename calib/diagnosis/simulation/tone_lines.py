@@ -63,7 +63,8 @@ class ToneLines:
         """Return squared amplitudes at the peaks, DN^2, (n_blocks, n_peaks)."""
         found = np.zeros((n_blocks, len(peaks)))
         for blocks in self.phases:
-            squares = [[peak.squared_amplitude(each) for peak in peaks] for each in blocks]
+            centred = [each - each.mean() for each in blocks]
+            squares = [[peak.squared_amplitude(each) for peak in peaks] for each in centred]
             found += np.array(squares).reshape(found.shape) / len(self.phases)
         return found
 

@@ -37,6 +37,7 @@ EFFECTS = (
     Cti(3e-4, partition_noise=0.0),
     Cti(3e-4),
     Persistence(0.003, 8.0),
+    Persistence(0.006, 8.0, 3e6),
     ExposureJitter(0.001),
     LineNoise(0.4),
 )
@@ -72,7 +73,7 @@ def test_a_signature_is_what_long_recordings_show(effect: Departure) -> None:
         fine = usable[:, where]
         if fine.any():
             z = ((seen.pooled - signature.pooled)[:, where] / std[:, where])[fine]
-            # Eleven effects of a dozen kinds: by chance once in 5,000 runs.
+            # Twelve effects of a dozen kinds: by chance once in 5,000 runs.
             assert abs(z.mean()) < 5.0 / np.sqrt(z.size), kind
             assert (z**2).sum() < chi2.isf(1e-6, z.size), kind
     white = (first.baseline.variance_dn2 + other.baseline.variance_dn2) / LINES
