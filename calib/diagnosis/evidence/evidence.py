@@ -16,7 +16,7 @@ from calib.diagnosis.evidence.onset import onset_seen, onset_std
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.pooled_space import PooledSpace
 from calib.diagnosis.evidence.rare_space import RareSpace
-from calib.diagnosis.evidence.standing_out import N_STEPS, PixelMisfits, steps
+from calib.diagnosis.evidence.standing_out import N_STEPS, PixelMisfits, held_slopes, steps
 from calib.diagnosis.evidence.tone_scale import ToneScale
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.monitor import MonitorReadings, readings_of
@@ -207,7 +207,19 @@ class Evidence:
     def derivative(self, change: Change, about: Change) -> Point:
         """Return the whitened derivative of statistics that move by `change` from `about` on."""
         small = 0.1
-        found = (self.point(about + change * small) - self.point(about)) * (1.0 / small)
+        first, after = self.point(about), self.point(about + change * small)
+        found = (after - first) * (1.0 / small)
+        if self.kept is None:
+            where = self.rest_places["steps"]
+            counts = np.maximum(np.abs(first.rest[where]), np.abs(after.rest[where]))
+            pairs = (
+                (change.pixel_variance, about.pixel_variance),
+                (change.pixel_misfit, about.pixel_misfit),
+            )
+            for k, (moved, before) in enumerate(pairs):
+                part = slice(where.start + k * N_STEPS, where.start + (k + 1) * N_STEPS)
+                mine = counts[k * N_STEPS : (k + 1) * N_STEPS]
+                found.rest[part] = held_slopes(found.rest[part], mine, moved, before)
         # Counts and tones are whitened along curves, and changes may be far larger than what is
         # seen of them.
         found.rest[self.rest_places["rare"]] = self.rare_space.derivative(

@@ -28,6 +28,25 @@ def steps(z: Floats) -> Floats:
     return whitened_counts(np.array([kind.sum() for kind in kinds], np.float64))
 
 
+def held_slopes(slopes: Floats, counts: Floats, moved: Floats, about: Floats) -> Floats:
+    """Return slopes of what `steps` gives, none steeper than from no effect to the whole of it.
+
+    A count jumps where one pixel passes a limit. Over the tenth of an effect by which a derivative
+    is taken, that one pixel would be a slope ten times as steep as all of them together have.
+
+    Args:
+        slopes: By how much of `moved` is added, (N_STEPS,).
+        counts: What steps gives, at `about` or a little farther on, whichever is more, likewise.
+        moved: By how much each pixel stands out more, standard deviations, (n_pixels,).
+        about: By how much it stands out, likewise.
+    """
+    whole = float(np.linalg.norm(about))
+    if whole == 0.0:
+        return slopes
+    most = np.abs(counts) * float(np.linalg.norm(moved)) / whole
+    return np.asarray(np.clip(slopes, -most, most))
+
+
 @dataclass(frozen=True)
 class PixelMisfits:
     """By how much pixels' means miss the baseline.
@@ -60,12 +79,15 @@ class PixelMisfits:
         return cls(space, growth, np.where(told, length2, 1.0), told, used)
 
     def sigma(self, means: Floats, *, observed: bool) -> Floats:
-        """Return by how many standard deviations each pixel's `means`, DN, miss, (n_pixels,)."""
+        """Return by how many standard deviations each pixel's `means`, DN, miss, (n_pixels,).
+
+        Of means without noise it is what they give on average with it: both stand on one scale,
+        Wilson and Hilferty's, on which chi-squared is a standard normal number.
+        """
         white = self.space.project(means)
         along = np.where(self.told, np.einsum("bp,bp->p", self.growth, white), 0.0)
         square = np.einsum("bp,bp->p", white, white) - along**2 / self.length2
-        if not observed:
-            return np.asarray(square / np.sqrt(2.0 * self.used))
-        third = (np.maximum(square, 0.0) / self.used) ** (1 / 3)
-        normal = (third - (1.0 - 2.0 / (9.0 * self.used))) / np.sqrt(2.0 / (9.0 * self.used))
-        return np.asarray(normal)
+        spread = 2.0 / (9.0 * self.used)
+        middle = 1.0 - spread if observed else 1.0
+        ratio = np.maximum(square, 0.0) / self.used + (0.0 if observed else 1.0)
+        return np.asarray((np.cbrt(ratio) - middle) / np.sqrt(spread))

@@ -1,0 +1,38 @@
+"""Pixels that stand out: what is recorded and what is simulated stand on one scale."""
+
+import numpy as np
+from numpy.random import default_rng
+
+from calib.diagnosis.evidence.standing_out import FAR_SIGMA, held_slopes
+from tests.calib.diagnosis.recordings import plain_model, plan, recorded
+
+COLUMNS = 384
+
+
+def test_simulated_misfits_are_what_recorded_ones_are_on_average() -> None:
+    rng = default_rng()
+    evidence = recorded(plain_model(COLUMNS), plan(rng, 60, twice=2), rng)
+    std = np.sqrt(evidence.baseline.variance_dn2.reshape(evidence.n_blocks, -1) / 60)
+    shift = np.zeros_like(std)
+    shift[3] = np.linspace(0.0, 40.0, COLUMNS) * std[3]
+    told = evidence.misfit(shift, observed=False)
+    seen = evidence.misfit(shift + evidence.observed_means, observed=True)
+    assert told.max() > FAR_SIGMA
+    used = evidence._misfits.used
+    # Of a noncentral chi-squared, of variance 2 (used + 2 shift^2), through the cube root.
+    spread = 2.0 / (9.0 * used)
+    ratio = (1.0 + told * np.sqrt(spread)) ** 3
+    scatter = np.sqrt(2.0 * (2.0 * ratio - 1.0) / used) * ratio ** (-2.0 / 3.0) / 3.0
+    z = (seen - told) / (scatter / np.sqrt(spread))
+    # The cube root's curvature is worth a tenth of a standard deviation at most.
+    assert abs(z.mean()) < 0.1 + 5.0 / np.sqrt(COLUMNS)
+    assert abs(z.std() - 1.0) < 5.0 / np.sqrt(2 * COLUMNS)
+
+
+def test_one_pixel_that_passes_a_limit_is_no_steep_slope() -> None:
+    about = np.array([11.9, 0.0, 0.0])
+    jump = np.array([0.0, 54.0, -1.0])
+    # An effect as strong as it is: a count of 5.4 on the way from nothing.
+    held = held_slopes(jump, np.array([5.4, 5.4, 5.4]), about, about)
+    np.testing.assert_allclose(held, [0.0, 5.4, -1.0])
+    np.testing.assert_allclose(held_slopes(jump, np.abs(jump), about, 0.0 * about), jump)
