@@ -12,6 +12,8 @@ from service.store.runs import Runs
 
 _ALIVE_S = 15.0
 """A comment so often keeps proxies from closing a silent stream."""
+_MOST = 500
+"""Events that are read at once."""
 
 
 class EventStreams:
@@ -33,13 +35,14 @@ class EventStreams:
         try:
             while True:
                 changed.clear()
-                texts, is_over = await self._after(run_id, after)
+                texts, is_final = await self._after(run_id, after)
                 if texts:
                     yield "".join(texts)
                     after += len(texts)
-                    continue
-                if is_over:
+                elif is_final:
                     return
+                if is_final or len(texts) == _MOST:  # there may be more
+                    continue
                 try:
                     async with asyncio.timeout(_ALIVE_S):
                         await changed.wait()
@@ -49,7 +52,7 @@ class EventStreams:
             leave()
 
     async def _after(self, run_id: str, after: int) -> tuple[list[str], bool]:
-        """Return the next events as they are sent, and whether there are no more to come.
+        """Return the next events as they are sent, and whether the state was final before that.
 
         Whoever asks for the same after the same news is given the same: a reading that began before
         the news may not have it.
@@ -59,9 +62,9 @@ class EventStreams:
 
     def _read(self, run_id: str, after: int) -> tuple[list[str], bool]:
         # The state first: the event of a final one was written together with it.
-        state = self._runs.get(run_id).state
-        texts = [_sent(each) for each in self._runs.events(run_id, after=after)]
-        return texts, state in FINAL and not texts
+        is_final = self._runs.get(run_id).state in FINAL
+        events = self._runs.events(run_id, after=after, limit=_MOST)
+        return list(map(_sent, events)), is_final
 
 
 def _sent(event: RunEvent) -> str:

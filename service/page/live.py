@@ -11,13 +11,13 @@ MOST_LINES = 120
 
 
 class Live:
-    """Follows the news and keeps the newest profiles of the newest run. Thread-safe."""
+    """Watches the frames and keeps the newest profiles of the newest run. Thread-safe."""
 
     def __init__(self, news: News) -> None:
         self._news = news
         self._lock = threading.Lock()
         self._seen: deque[Seen] = deque(maxlen=MOST_LINES)
-        news.follow(self._look)
+        news.watch(self._look)
 
     def seen(self) -> tuple[Seen, ...]:
         """Return the profiles, oldest first, all of one run and one width."""

@@ -19,19 +19,17 @@ class News:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._followers: set[OnNews] = set()
+        self._watchers: set[OnNews] = set()
         self.told = 0
         self.seen: Seen | None = None
 
     def follow(self, wake: OnNews) -> Callable[[], None]:
         """Call `wake`, which must not block, at each news; return what ends that."""
-        with self._lock:
-            self._followers.add(wake)
+        return self._enter(self._followers, wake)
 
-        def leave() -> None:
-            with self._lock:
-                self._followers.discard(wake)
-
-        return leave
+    def watch(self, wake: OnNews) -> Callable[[], None]:
+        """Call `wake`, which must not block, at each frame's look; return what ends that."""
+        return self._enter(self._watchers, wake)
 
     def tell(self) -> None:
         """Wake all followers."""
@@ -42,6 +40,19 @@ class News:
             wake()
 
     def show(self, seen: Seen) -> None:
-        """Keep what a frame looks like, and wake."""
+        """Keep what a frame looks like, and wake those who watch."""
         self.seen = seen
-        self.tell()
+        with self._lock:
+            watchers = tuple(self._watchers)
+        for wake in watchers:
+            wake()
+
+    def _enter(self, those: set[OnNews], wake: OnNews) -> Callable[[], None]:
+        with self._lock:
+            those.add(wake)
+
+        def leave() -> None:
+            with self._lock:
+                those.discard(wake)
+
+        return leave

@@ -7,10 +7,12 @@ from collections.abc import AsyncIterator
 from datetime import UTC, datetime
 from typing import Any, cast
 
+import numpy as np
 import pytest
 
 from service.api.event_stream import EventStreams
 from service.api.shared_reading import SharedReading
+from service.owner.messages import Seen
 from service.runs.news import News
 from service.store.actor import Actor
 from service.store.run_records import RunEvent, RunState
@@ -74,9 +76,9 @@ class _Gated:
         del run_id
         return type("Run", (), {"state": self.said[-1].content["state"] if self.said else "queued"})
 
-    def events(self, run_id: str, *, after: int) -> tuple[RunEvent, ...]:
+    def events(self, run_id: str, *, after: int, limit: int) -> tuple[RunEvent, ...]:
         del run_id
-        found = tuple(self.said[after:])
+        found = tuple(self.said[after : after + limit])
         if not self.first_has_read.is_set():
             self.first_has_read.set()
             assert self.gate.wait(WITHIN_S)
@@ -107,8 +109,8 @@ class _Ending(_Gated):
         self.gate.set()
         self._news = news
 
-    def events(self, run_id: str, *, after: int) -> tuple[RunEvent, ...]:
-        found = super().events(run_id, after=after)
+    def events(self, run_id: str, *, after: int, limit: int) -> tuple[RunEvent, ...]:
+        found = super().events(run_id, after=after, limit=limit)
         if not self.said:
             self.say("succeeded")
             self._news.tell()
@@ -120,6 +122,40 @@ def test_the_last_event_is_told_also_where_it_comes_while_the_journal_is_read() 
     streams = EventStreams(cast("Runs", _Ending(news)), news)
     told = asyncio.wait_for(_all(streams.follow("run", 0)), WITHIN_S)
     assert asyncio.run(told) == [1]
+
+
+def test_a_long_journal_is_told_to_its_end_though_nothing_new_comes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("service.api.event_stream._ALIVE_S", 10 * WITHIN_S)
+    journal, news = _Gated(), News()
+    journal.gate.set()
+    for _ in range(1200):
+        journal.say("running")
+
+    async def follow() -> list[int]:
+        told: list[int] = []
+        async for text in EventStreams(cast("Runs", journal), news).follow("run", 0):
+            told += _numbers(text)
+            if len(told) == 1200:
+                break
+        return told
+
+    assert asyncio.run(asyncio.wait_for(follow(), WITHIN_S)) == list(range(1, 1201))
+
+
+def test_frames_wake_those_who_watch_and_news_those_who_follow() -> None:
+    news, woken = News(), list[str]()
+    leave = news.follow(lambda: woken.append("news"))
+    leave_frames = news.watch(lambda: woken.append("frame"))
+    news.tell()
+    news.show(Seen("run", "000", np.zeros(4)))
+    assert (woken, news.told) == (["news", "frame"], 1)
+    leave()
+    leave_frames()
+    news.tell()
+    news.show(Seen("run", "000", np.zeros(4)))
+    assert woken == ["news", "frame"]
 
 
 def test_events_are_json() -> None:
