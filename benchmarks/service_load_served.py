@@ -93,7 +93,7 @@ def serving(folder: Path) -> Iterator[Served]:
     command = [sys.executable, "-c", code, "serve", "--port", "0", "--json", "-"]
     with subprocess.Popen(
         [*command, "--bench", str(folder / "bench.toml")],
-        stdout=subprocess.PIPE, text=True,
+        stdout=subprocess.PIPE, text=True, start_new_session=True,  # as an init system has it
         env={**os.environ, "DARKFLAT_HOME": str(folder / "home")},
     ) as process:  # fmt: skip
         try:
