@@ -62,5 +62,5 @@ def test_a_block_that_begins_otherwise_than_it_ends_has_power_at_low_frequencies
         # A square of A beside noise of power s scatters by sqrt(s^2 + 2 s A) about A + s.
         spread = np.sqrt(noise**2 + 2.0 * noise * tones[b])
         assert -6.0 < (seen - noise - tones[b]) / spread < 14.0
-        clear += tones[b] > 10.0 * noise
+        clear += int(tones[b] > 10.0 * noise)
     assert clear > 0
