@@ -50,6 +50,9 @@ def watched(home: Path) -> Iterator[Watched]:
         started.close()
 
 
+@pytest.mark.timeout(
+    900
+)  # a browser, a bench and four jobs: on a busy machine five minutes are short
 def test_every_button_is_there_and_pressed(watched: Watched, store: Store) -> None:
     """One story, since the bench is one: what is pressed is compared with what there is."""
     for part in (*RUNS, *RESULTS):
