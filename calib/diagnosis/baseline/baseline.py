@@ -65,6 +65,8 @@ def fit_baseline(sums: Sequence[BlockSums], table: ConditionsTable, sensor: Sens
         straight = np.maximum(
             read[sensor.tap] + gain[sensor.tap] * (expected - offset), 0.3 * read[sensor.tap]
         )
+        # A line drawn by rays may leave less than a sensor without noise has.
+        straight = np.maximum(straight, 1.0 / 12.0)
         variance = straight - hidden_by_rounding(straight)
         reach = CLEAR_SIGMA * np.sqrt(variance) + 0.5
         inside = (expected > floor_dn + reach) & (expected < sensor.camera.full_scale_dn - reach)

@@ -63,7 +63,7 @@ def _along_profile(means: Floats, signal: Floats) -> Floats:
     Of hats between knots: straight over a flat's narrow profile, and over each of `PIECES` pieces
     of the recording's range in a scene, where a bend may set in within the block.
     """
-    piece = max(float(signal.max()), 1e-12) / PIECES
+    piece = max(float(np.ptp(signal)), 1e-12) / PIECES
     return np.stack([_along(m, s, piece) for m, s in zip(means, signal, strict=True)])
 
 

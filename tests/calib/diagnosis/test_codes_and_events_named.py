@@ -40,12 +40,3 @@ def test_a_stop_shows_in_what_is_missing_of_darks_with_half_a_dn_of_noise(
     # Of 86,400 reads in the dark, of 0.5 and 0.2 DN, 0.27 % or 235 would lie below 18.5 DN; a fit
     # to what is left expects half of them, 117 / sqrt(30 + 117) = 9.6 standard deviations.
     assert below < -5.0 if stop else abs(below) < 5.0
-
-
-def test_rays_a_thousand_times_the_noise_are_named_in_short_rows() -> None:
-    rng = default_rng()
-    rays = CosmicRays(per_pixel_s=0.2, electrons=20_000.0)
-    evidence = recorded(plain_model(32, bits=16), plan(rng, 100, twice=0), rng, (rays,))
-    diagnosis = examine(evidence).diagnosis
-    assert [finding.effect.name for finding in diagnosis.findings][:1] == ["cosmic_rays"]
-    assert diagnosis.verdict != "unexplained"

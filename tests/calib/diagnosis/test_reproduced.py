@@ -7,7 +7,7 @@ from numpy.random import default_rng
 
 from calib.diagnosis.diagnose import responder_of
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.reproduced import PIECES
+from calib.diagnosis.naming.reproduced import PIECES, reproduced
 from calib.diagnosis.naming.signatures import change_of
 from calib.forward.effects.saturation_knee import SaturationKnee
 from calib.recording.header import Block
@@ -48,3 +48,12 @@ def test_a_bend_that_sets_in_within_a_scene_is_kept() -> None:
     most = 4.0 * piece**2 / (8.0 * gain * KNEE.room_e)
     assert np.abs(exact - kept).max() < most
     assert np.ptp((exact - moved.slope.ravel() * moved.dose.reshape(exact.shape))[4]) > 100 * most
+
+
+def test_links_that_a_fit_has_led_below_the_dark_have_a_profile_still() -> None:
+    evidence = with_scene()
+    base = evidence.baseline
+    below = -2.0 * (base.mean_dn - base.offset_dn).reshape(len(base.mean_dn), -1) - 50.0
+    change = change_of((KNEE,), evidence, responder_of(evidence))
+    means = reproduced(change, change, evidence, below, exact=False).means
+    assert np.isfinite(means).all()
