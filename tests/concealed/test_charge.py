@@ -152,6 +152,21 @@ def test_traps_let_go_in_the_dark_what_they_caught_in_the_light() -> None:
     assert abs(per_line[1:].sum() - expected.sum()) < 4 * spread
 
 
+def test_traps_that_a_pause_has_emptied_catch_as_at_first() -> None:
+    sensor, memory, rng = level_sensor(), Memory(), np.random.default_rng(12)
+    traps = Persistence(2000.0, "one_time", 0.05, 5.0 * LIGHT_E)
+    caught = []
+    for started_s in (0.0, 10.0):
+        lit = poisson(13)[:200]
+        read = traps.act(lit, scan_of(sensor, 200, started_s=started_s), memory, rng)
+        caught.append(float((lit[0] - read[0]).mean()))
+    # Of 2,000 traps with the chance 1 - exp(-1/5), in each of 64 pixels.
+    chance = 1.0 - np.exp(-0.2)
+    spread = np.sqrt(2.0 * 2000.0 * (chance + chance**2) / 64)
+    assert abs(caught[1] - caught[0]) < 4.0 * spread
+    assert min(caught) > 10.0 * spread
+
+
 @pytest.mark.parametrize("shape", [*Cti.shapes, *Cti.foreign])
 def test_transfers_lose_charge_only_behind_the_last_packet(shape: str) -> None:
     sensor = level_sensor()

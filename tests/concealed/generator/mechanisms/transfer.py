@@ -112,7 +112,7 @@ class Persistence(Mechanism):
             charge = fresh.copy()
             for k, time_s in enumerate(times_s):
                 freed = thinned(kept["filled"][k], -np.expm1(-elapsed_s / time_s), rng)
-                free = kept["traps"][k] - kept["filled"][k]
+                free = kept["traps"][k] - kept["filled"][k] + freed
                 caught = thinned(free, -np.expm1(-fresh / self.filled_by_e), rng)
                 caught = np.minimum(caught, charge)
                 kept["filled"][k] += caught - freed
