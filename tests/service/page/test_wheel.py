@@ -19,7 +19,7 @@ from tests.service.page.serving import answer_of
 from tests.service.page.wheel import PACKAGES, ROOT, build, install
 from tests.service.sequencer.benches import in_process
 
-_HIDDEN = {"PYTHONPATH", "PYTEST_CURRENT_TEST", "VIRTUAL_ENV"}
+_HIDDEN = {"NUMBA_CACHE_DIR", "PYTHONPATH", "PYTEST_CURRENT_TEST", "VIRTUAL_ENV"}
 
 
 @pytest.fixture(scope="module")
