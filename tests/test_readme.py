@@ -25,6 +25,9 @@ exposures_us = [30.0, 60.0, 90.0]
 levels = [1, 2]
 [camera]
 line_period_us = 100.0
+[settle]
+tolerance_percent = 1.0
+stable_for_s = 0.5
 [source]
 radiance = { 1 = 10.2, 2 = 20.1 }
 """
