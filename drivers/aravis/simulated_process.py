@@ -6,9 +6,9 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from types import TracebackType
 from typing import IO, Self
 
+from calib.closing import Closing
 from drivers.aravis.line_reader import LineReader
 from drivers.aravis.simulated import address_lock
 from drivers.errors import DeviceError
@@ -16,7 +16,7 @@ from drivers.errors import DeviceError
 _OBEYS_WITHIN_S = 30.0
 
 
-class SimulatedCameraProcess:
+class SimulatedCameraProcess(Closing):
     """A context manager: the camera answers at `address` inside the block, and is gone after it.
 
     It dies with this process, too: its standard input is a pipe that only this process holds. But
@@ -146,7 +146,7 @@ class SimulatedCameraProcess:
             self._process.kill()
             self._release()
 
-    def stop(self) -> None:
+    def close(self) -> None:
         """End the camera in an orderly way; safe to call twice."""
         if self._process is not None and self._process.stdin is not None:
             self._process.stdin.close()
@@ -160,14 +160,6 @@ class SimulatedCameraProcess:
 
     def __enter__(self) -> Self:
         return self.start()
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.stop()
 
     def _tell(self, command: str) -> None:
         if self._process is None or self._process.stdin is None:

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from contextlib import ExitStack
 from types import TracebackType
-from typing import Self
 
+from calib.closing import Closing
 from drivers.mock.world import World
 from drivers.ports import LightSource, LightState, LinescanCamera, Monitor, Shutter
 from service.bench.all_off import all_off
@@ -14,8 +14,8 @@ from service.bench.simulated import Simulated
 from service.bench.target import Target
 
 
-class Bench:
-    """Owned by this process until closed; a context manager. Leaving it is always dark.
+class Bench(Closing):
+    """Owned by this process until closed. Leaving it is always dark.
 
     Attributes:
         id: Of the bench, from its file.
@@ -107,9 +107,6 @@ class Bench:
         with self._afterwards, shielded(), self._resources:
             self.safe_off()
 
-    def __enter__(self) -> Self:
-        return self
-
     def __exit__(
         self,
         kind: type[BaseException] | None,
@@ -117,6 +114,6 @@ class Bench:
         trace: TracebackType | None,
     ) -> None:
         """Close; where a signal came and what it raised got lost on the way, raise that."""
-        self.close()
+        super().__exit__(kind, error, trace)
         if kind is None and self._endings is not None:
             self._endings.end()

@@ -6,13 +6,13 @@ from typing import Any
 from nicegui import ui
 
 from service.page.figures.deviance import before_and_after
-from service.page.frame import keep_fresh, view
+from service.page.frame import view
 from service.page.job_files import draw_files
-from service.page.tables import facts, fill, table, text
+from service.page.listed_jobs import keep_listed
+from service.page.tables import facts, table, text
 from service.page.visitor import Visitor
 from service.store.records import JobRecord
 
-_REFRESH_S = 2.0
 KIND = "diagnose"
 
 
@@ -30,15 +30,7 @@ async def show(visitor: Visitor) -> None:
             ui.label("A diagnosis is started from a recording.").classes("df-note")
         with ui.element("section").classes("df-card").props('aria-label="Report"'):
             report.draw()
-
-    async def refresh() -> None:
-        found = await visitor.read(lambda: visitor.parts.store.jobs.list(limit=500).items)
-        fill(listed, [_row(job) for job in found or () if job.kind == KIND])
-
-    if visitor.asked("job"):
-        await report.show(visitor.asked("job"))
-    await refresh()
-    keep_fresh(visitor, refresh, _REFRESH_S)
+    await keep_listed(visitor, listed, (KIND,), _row, report.show)
 
 
 class _Report:

@@ -9,13 +9,13 @@ from nicegui import ui
 from calib.recording import content_addressed
 from service.page.figures import photon_transfer, transfer
 from service.page.figures.plot import Figure
-from service.page.frame import keep_fresh, view
+from service.page.frame import view
 from service.page.job_files import draw_files
-from service.page.tables import facts, fill, table, text
+from service.page.listed_jobs import keep_listed
+from service.page.tables import facts, table, text
 from service.page.visitor import Visitor
 from service.store.records import JobRecord
 
-_REFRESH_S = 2.0
 _KINDS: Final = {"photon-transfer": "Photon transfer", "transfer-function": "MTF"}
 _BARS = (
     "Bars and bands are two standard uncertainties (k = 2), of the points alone. Grey flats have no"
@@ -50,15 +50,7 @@ async def show(visitor: Visitor) -> None:
             result.draw_facts()
         with ui.element("section").classes("df-card").props('aria-label="Figures"'):
             result.draw_figures()
-
-    async def refresh() -> None:
-        found = await visitor.read(lambda: visitor.parts.store.jobs.list(limit=500).items)
-        fill(listed, [_row(job) for job in found or () if job.kind in _KINDS])
-
-    if visitor.asked("job"):
-        await result.show(visitor.asked("job"))
-    await refresh()
-    keep_fresh(visitor, refresh, _REFRESH_S)
+    await keep_listed(visitor, listed, _KINDS, _row, result.show)
 
 
 def _row(job: JobRecord) -> dict[str, object]:

@@ -12,11 +12,11 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import h5py
 
+from calib.closing import Closing
 from calib.radiometric.correction.apply import Correction
 from calib.radiometric.correction.flags import Flag
 from calib.radiometric.correction.radiance_lines import Radiance
@@ -27,10 +27,10 @@ from calib.recording.unfailing_file import UnfailingFile
 _LAYERS = ("radiance", "std", "flags")
 
 
-class RadianceFile:
+class RadianceFile(Closing):
     """Takes lines block by block; gets its name by `finish`, and vanishes without it.
 
-    A context manager. One chunk of each dataset holds the lines of one append.
+    One chunk of each dataset holds the lines of one append.
     """
 
     def __init__(self, path: Path, *, std: bool) -> None:
@@ -44,15 +44,7 @@ class RadianceFile:
             self._disk = UnfailingFile(self._partial)
             self._file = h5py.File(self._disk, "w")
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
         """Remove what was not finished."""
         self._file.close()
         self._disk.close()

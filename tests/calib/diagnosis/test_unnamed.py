@@ -56,9 +56,10 @@ def test_errors_of_a_strong_effect_widen_what_lives_where_it_does() -> None:
     assert ASTRAY * IMPERFECT * strong < 1.2 * left < 1.2 * (ASTRAY + 0.2) * IMPERFECT * strong
     (finding,) = (f for f in seen.diagnosis.findings if f.effect.name == EFFECTS[1].name)
     member = seen.model.members[capacitance]
-    ratio = finding.parameters["column_coupling"].std / (
-        member.std[0] * abs(float(member.signature.shape.varied[0][1]))  # type: ignore[arg-type]
-    )
+    units = {name: unit for name, unit, _ in member.signature.shape.varied}
+    slope = units["column_coupling"]
+    assert isinstance(slope, float)
+    ratio = finding.parameters["column_coupling"].std / (member.std[0] * abs(slope))
     np.testing.assert_allclose(ratio, np.sqrt(1.0 + left), rtol=1e-12)
     alone = replace(seen.model, members=(member,))
     assert left_by_others(0, alone, seen.evidence) == 0.0
