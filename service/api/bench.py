@@ -3,10 +3,12 @@
 from fastapi import APIRouter
 
 from service.api.access import Operator, Reader
-from service.api.answers.bench import BenchAnswer, DeviceAnswer, LampsOff
+from service.api.answers.bench import BenchAnswer, DeviceAnswer, KeptDarkAnswer, LampsOff
 from service.api.answers.job import JobError
 from service.api.dependencies import CommandsDep, KeeperDep, StoreDep
 from service.api.openapi import BENCH, problems
+from service.runs.keeper import RunKeeper
+from service.store.store import Store
 
 router = APIRouter(prefix="/v1", tags=["bench"])
 
@@ -14,14 +16,28 @@ router = APIRouter(prefix="/v1", tags=["bench"])
 @router.get("/bench", responses=problems("no-bench"))
 def get_bench(store: StoreDep, keeper: KeeperDep, _reader: Reader) -> BenchAnswer:
     """Say what the bench does and who has it; no device is asked for that."""
+    return _told(store, keeper)
+
+
+@router.post("/bench/release", responses=problems(*BENCH))
+def release_bench(
+    operator: Operator, commands: CommandsDep, store: StoreDep, keeper: KeeperDep
+) -> BenchAnswer:
+    """Let queued runs begin after safe-off, whoever pressed it; say how the bench is then."""
+    commands.release(operator)
+    return _told(store, keeper)
+
+
+def _told(store: Store, keeper: RunKeeper) -> BenchAnswer:
     owner, run = keeper.owner, store.runs.under_way()
-    trouble = owner.trouble
+    trouble, kept = owner.trouble, keeper.darkness.kept
     return BenchAnswer(
         id=owner.bench_id,
         state=owner.state,
         trouble=None if trouble is None else JobError(code=trouble.code, message=trouble.message),
         run=None if run is None else run.id,
         held_by=None if run is None else run.submitted_by,
+        kept_dark=None if kept is None else KeptDarkAnswer(by=kept.by, since=kept.since),
         devices=() if owner.look is None else tuple(map(DeviceAnswer.of, owner.look.devices)),
     )
 
@@ -36,6 +52,7 @@ def look_at_bench(operator: Operator, commands: CommandsDep) -> tuple[DeviceAnsw
 def safe_off(operator: Operator, commands: CommandsDep) -> LampsOff:
     """Abort what runs, switch every lamp off and read it back, whoever has the bench.
 
+    Queued runs, and new ones, wait until the bench is released, over restarts of the service too.
     Software is no interlock: where light can harm, a switch must be within reach.
     """
     return LampsOff.of(commands.safe_off(operator))

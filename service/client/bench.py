@@ -25,6 +25,11 @@ class Bench:
     def safe_off(self) -> LampsOff:
         """Abort what runs, switch every lamp off and read it back, whoever has the bench.
 
-        Software is no interlock: where light can harm, a switch must be within reach.
+        Runs wait from then on until `release`. Software is no interlock: where light can harm, a
+        switch must be within reach.
         """
         return self._link.post(LampsOff, "/v1/safe-off", repeatable=True)
+
+    def release(self) -> BenchAnswer:
+        """Let runs begin again after safe-off, whoever pressed it."""
+        return self._link.post(BenchAnswer, "/v1/bench/release", repeatable=True)

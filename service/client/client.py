@@ -15,7 +15,7 @@ class Client(Closing):
     """A service and a key. Thread-safe; a context manager. Errors are DarkflatErrors.
 
     Attributes:
-        bench: What it does, and `safe_off`.
+        bench: What it does, `safe_off`, and `release`.
         runs: Plans that it measures.
         recordings: What came of them, or was uploaded.
         jobs: Calibrations, photon transfers, diagnoses, transfer functions.

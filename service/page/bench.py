@@ -7,6 +7,7 @@ from nicegui import ui
 from service.owner.messages import DeviceLook
 from service.page.figures.live import profile, waterfall
 from service.page.frame import keep_fresh, view
+from service.page.kept_dark import draw_kept_dark
 from service.page.live import Live
 from service.page.run_stand import Tail, name_of, stand
 from service.page.tables import facts, numbers
@@ -33,10 +34,12 @@ async def _devices(visitor: Visitor) -> None:
     if keeper is None:
         ui.label("This service has no bench; start it with --bench bench.toml.")
         return
+    look_whether_dark = draw_kept_dark(visitor, keeper.darkness)
     shown = ui.element("div")
     drawn: list[object] = []
 
     async def refresh() -> None:
+        look_whether_dark()
         stands = (keeper.owner.state, keeper.owner.trouble, keeper.owner.look)
         if drawn != [stands]:
             drawn[:] = [stands]

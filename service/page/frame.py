@@ -103,7 +103,8 @@ def _bench_state(visitor: Visitor) -> None:
             return
         run = await visitor.read(visitor.parts.store.runs.under_way)
         holder = "" if run is None else f" · held by {run.submitted_by}"
-        label.set_text(f"bench {keeper.owner.state}{holder}")
+        dark = " · kept dark" if keeper.darkness.kept and not holder else ""
+        label.set_text(f"bench {keeper.owner.state}{holder}{dark}")
 
     keep_fresh(visitor, refresh, _STATE_S)
 

@@ -81,12 +81,22 @@ class RunCommands:
     def safe_off(self, by: Actor) -> BenchLook:
         """Switch every lamp off, whoever has the bench, and return what was read back.
 
-        Nothing is waited for before the command goes out: no lock, no queue, no record.
+        Nothing is waited for before the command goes out: no lock, no queue, no record. Runs wait
+        from then on until the bench is released, also where it did not answer.
         """
-        look = self._keeper.owner.safe_off()
-        _LOG.warning("every lamp is switched off, by %s", by.name)
-        self._store.audit.record(by, "bench.safe-off", self._keeper.owner.bench_id)
+        self._keeper.darkness.begin(by)
+        try:
+            look = self._keeper.owner.safe_off()
+            _LOG.warning("every lamp is switched off, by %s; runs wait", by.name)
+        finally:
+            self._keeper.darkness.record(by)
         return look
+
+    def release(self, by: Actor) -> None:
+        """Let runs begin again after safe-off; nothing where they may."""
+        self._keeper.darkness.end(by)
+        _LOG.warning("the bench is released, by %s", by.name)
+        self._keeper.wake()
 
     def look(self, by: Actor) -> BenchLook:
         """Ask every device how it is; BenchHeldError where somebody else has the bench."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from calib.errors import DarkflatError
 from service.owner.messages import Ended, Measure, Report, Said, Seen
 from service.owner.owner import BenchOwner
+from service.runs.darkness import Darkness
 from service.runs.frames import FrameCount
 from service.runs.journal import Journal
 from service.runs.news import News
@@ -29,6 +30,7 @@ class RunKeeper:
         owner: The bench's process; opened and closed by the keeper, where it is not open already.
         news: Wakes who follows.
         frames: How many came since the start.
+        darkness: Whether runs wait since safe-off was pressed.
     """
 
     def __init__(self, store: Store, owner: BenchOwner, folder: Path) -> None:
@@ -37,6 +39,7 @@ class RunKeeper:
         self.frames = FrameCount()
         self.owner = owner
         self.owner.listener = self._hear
+        self.darkness = Darkness(store.audit, owner.bench_id)
         self.lock = threading.RLock()
         self._store = store
         self._folder = folder
@@ -86,7 +89,7 @@ class RunKeeper:
             self.owner.open()  # it died, or was refused: its lamps are to be switched off
         with self.lock:
             run = self._store.runs.next_queued()
-            if run is None or self.owner.state != "idle" or self._closing:
+            if run is None or self.owner.state != "idle" or self._closing or self.darkness.kept:
                 return
             self._store.runs.move(run.id, "running")
             self._journal.begin()
@@ -97,6 +100,8 @@ class RunKeeper:
             except DarkflatError as error:
                 self._store.runs.move(run.id, "failed", error=(error.code, str(error)))
                 _LOG.error("the run cannot be begun: %s", error, extra={"run": run.id})
+            if self.darkness.kept:  # since it was looked at: the bench may not know of this run
+                self.owner.abort()
         self.news.tell()
 
     def _hear(self, report: Report) -> None:

@@ -7,7 +7,7 @@ be found by the last digest, which is worth writing down elsewhere.
 
 import hashlib
 import json
-from collections.abc import Generator
+from collections.abc import Collection, Generator
 from contextlib import closing
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -89,6 +89,18 @@ class Audit:
         with reading_session(self._engine) as session:
             query = select(AuditRow)
             return page(session, query, AuditRow.number, _entry, limit=limit, before=before)
+
+    def newest(self, subject: str, actions: Collection[str]) -> AuditEntry | None:
+        """Return the newest entry about `subject` that tells one of these actions."""
+        query = (
+            select(AuditRow)
+            .where(AuditRow.subject == subject, AuditRow.action.in_(actions))
+            .order_by(AuditRow.number.desc())
+            .limit(1)
+        )
+        with reading_session(self._engine) as session:
+            row = session.scalar(query)
+            return None if row is None else _entry(row)
 
     def last_actions(self) -> dict[str, str]:
         """Return, by subject, what was done to it last."""

@@ -1,5 +1,6 @@
 """The bench, as the service tells it."""
 
+from datetime import datetime
 from typing import Literal
 
 from pydantic import BaseModel, Field
@@ -39,6 +40,13 @@ class DeviceAnswer(BaseModel):
         return cls(role=look.role, identity=look.identity, values=look.values, trouble=trouble)
 
 
+class KeptDarkAnswer(BaseModel):
+    """Who pressed safe-off, and when."""
+
+    by: str
+    since: datetime
+
+
 class BenchAnswer(BaseModel):
     """The bench: what it does, and who has it."""
 
@@ -47,6 +55,9 @@ class BenchAnswer(BaseModel):
     trouble: JobError | None = Field(description="Why it cannot be used.")
     run: str | None = Field(description="The run that has it.")
     held_by: str | None = Field(description="Who submitted that.")
+    kept_dark: KeptDarkAnswer | None = Field(
+        description="Since safe-off was pressed: runs wait until the bench is released."
+    )
     devices: tuple[DeviceAnswer, ...] = Field(description="As they were when last asked.")
 
 

@@ -20,6 +20,7 @@ NEEDED: dict[tuple[str, str], Scope | None] = {
     ("GET", "/metrics"): Scope.READ,
     ("GET", "/v1/bench"): Scope.READ,
     ("POST", "/v1/bench/look"): Scope.OPERATE,
+    ("POST", "/v1/bench/release"): Scope.OPERATE,
     ("POST", "/v1/safe-off"): Scope.OPERATE,
     ("GET", "/v1/runs"): Scope.READ,
     ("POST", "/v1/runs"): Scope.OPERATE,

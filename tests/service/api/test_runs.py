@@ -4,6 +4,7 @@ import json
 import os
 import time
 from collections.abc import Iterator
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -150,12 +151,21 @@ def test_a_second_client_waits_is_told_who_holds_the_bench_and_may_switch_off(
                 assert (held.status_code, held.json()["code"]) == (423, "bench-held")
                 assert "ada" in held.json()["detail"]
             assert client.get(waiting, headers=bob).json()["state"] == "queued"
-            assert client.post(f"{waiting}/abort", headers=bob).json()["state"] == "cancelled"
             off = client.post("/v1/safe-off", headers=bob).json()
             assert off["dark"]
             while client.get(place, headers=bob).json()["state"] not in FINAL:
                 time.sleep(0.05)
             assert client.get(place, headers=ada).json()["state"] == "cancelled"
+            assert client.get("/v1/bench", headers=ada).json()["kept_dark"]["by"] == "bob"
+            released = client.post("/v1/bench/release", headers=ada).json()
+            assert released["kept_dark"] is None
+            while client.get(waiting, headers=bob).json()["state"] == "queued":
+                time.sleep(0.05)
+            began = client.get(waiting, headers=bob).json()["started_at"]
+            (release,) = (e for e in store.audit.list().items if e.action == "bench.release")
+            assert datetime.fromisoformat(began) >= release.at
+            assert (release.who, release.before) == ("ada", {"kept_dark_by": "bob"})
+            client.post(f"{waiting}/abort", headers=bob)
             assert client.get("/v1/bench").status_code == 401
         finally:
             forget_keys(store)

@@ -68,6 +68,10 @@ def test_safe_off_reads_back_and_the_service_is_well(client: Client) -> None:
     assert off.dark
     assert client.safe_off()
     assert "light" in {each.role for each in off.devices}
+    kept = client.bench.get().kept_dark
+    assert kept is not None
+    assert kept.by == "local"
+    assert client.bench.release().kept_dark is None
     assert client.health.alive().status == "alive"
     assert client.health.ready().bench == "reachable"
     assert 'darkflat_runs{state="succeeded"}' in client.health.metrics()

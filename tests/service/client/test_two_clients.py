@@ -111,6 +111,7 @@ def switched_off_while(ada: Client, bob: Client, plan: Plan, world: Path) -> tup
     wait_until(lambda: ada.runs.get(run_id).state in FINAL)
     run = ada.runs.get(run_id)
     assert run.state == "cancelled", run.error
+    assert ada.bench.release().kept_dark is None
     return took
 
 

@@ -102,6 +102,7 @@ def others(client: Client, _: Path) -> Iterator[Callable[[], Any]]:
     yield client.bench.get
     yield client.bench.look
     yield client.bench.safe_off
+    yield client.bench.release
     yield client.safe_off
     yield lambda: list(client.audit.all())
     yield client.audit.verify

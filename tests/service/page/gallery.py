@@ -126,6 +126,8 @@ def draw(watched: Watched, out: Path, scheme: str, digest: str, set_id: str) -> 
     page.get_by_role("button", name="Safe-off").click()
     page.get_by_text("Every lamp is off").wait_for()
     time.sleep(1.0)
+    page.goto("/page/")
+    page.get_by_role("button", name="Release the bench").click()
 
 
 if __name__ == "__main__":
