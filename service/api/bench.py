@@ -52,7 +52,8 @@ def look_at_bench(operator: Operator, commands: CommandsDep) -> tuple[DeviceAnsw
 def safe_off(operator: Operator, commands: CommandsDep) -> LampsOff:
     """Abort what runs, switch every lamp off and read it back, whoever has the bench.
 
-    Queued runs, and new ones, wait until the bench is released, over restarts of the service too.
+    Queued runs wait, over restarts of the service too, until somebody releases the bench, submits
+    a run or resumes one.
     Software is no interlock: where light can harm, a switch must be within reach.
     """
     return LampsOff.of(commands.safe_off(operator))

@@ -25,11 +25,11 @@ class Bench:
     def safe_off(self) -> LampsOff:
         """Abort what runs, switch every lamp off and read it back, whoever has the bench.
 
-        Runs wait from then on until `release`. Software is no interlock: where light can harm, a
-        switch must be within reach.
+        Queued runs wait from then on until `release`, or until somebody submits or resumes a run.
+        Software is no interlock: where light can harm, a switch must be within reach.
         """
         return self._link.post(LampsOff, "/v1/safe-off", repeatable=True)
 
     def release(self) -> BenchAnswer:
-        """Let runs begin again after safe-off, whoever pressed it."""
+        """Let queued runs begin again after safe-off, whoever pressed it."""
         return self._link.post(BenchAnswer, "/v1/bench/release", repeatable=True)

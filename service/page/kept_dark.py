@@ -27,7 +27,7 @@ def draw_kept_dark(visitor: Visitor, darkness: Darkness) -> Callable[[], None]:
         kept = darkness.kept
         shown.set_visibility(kept is not None)
         if kept is not None:
-            says.set_text(f"Kept dark since {text(kept.since)}, by {kept.by}: runs wait.")
+            says.set_text(f"Kept dark since {text(kept.since)}, by {kept.by}: queued runs wait.")
 
     with ui.element("div") as shown:
         says = ui.label().classes("df-warn").props('role="status"')

@@ -24,7 +24,7 @@ class RunCommands:
     def submit(
         self, plan: Plan, by: Actor, *, idempotency_key: str | None
     ) -> tuple[RunRecord, bool]:
-        """Queue a run; return it and whether it is new."""
+        """Queue a run; return it and whether it is new. A new one releases a bench kept dark."""
         found = self._store.runs.submit(
             plan.model_dump(mode="json"),
             plan.digest(),
@@ -33,6 +33,8 @@ class RunCommands:
             idempotency_key=idempotency_key,
         )
         _log("submitted", found[0].id, by)
+        if found[1]:
+            self._keeper.darkness.end(by)
         self._keeper.wake()
         return found
 
@@ -49,7 +51,10 @@ class RunCommands:
         return run
 
     def resume(self, run_id: str, by: Actor) -> RunRecord:
-        """Let a paused run go on, or queue one again that was ended before it was whole."""
+        """Let a paused run go on, or queue one again that was ended before it was whole.
+
+        Who asks for that wants light: it releases a bench that is kept dark.
+        """
         with self._keeper.lock:
             run = self._own(run_id, by)
             if run.state in {"queued", "running"}:
@@ -60,6 +65,7 @@ class RunCommands:
                 run = self._store.runs.move(run_id, "running", by=by)
                 self._keeper.owner.resume()
         _log("to go on", run_id, by)
+        self._keeper.darkness.end(by)
         self._keeper.wake()
         return run
 
@@ -81,8 +87,9 @@ class RunCommands:
     def safe_off(self, by: Actor) -> BenchLook:
         """Switch every lamp off, whoever has the bench, and return what was read back.
 
-        Nothing is waited for before the command goes out: no lock, no queue, no record. Runs wait
-        from then on until the bench is released, also where it did not answer.
+        Nothing is waited for before the command goes out: no lock, no queue, no record. Queued
+        runs wait from then on, also where it did not answer, until somebody releases the bench or
+        asks for a run.
         """
         self._keeper.darkness.begin(by)
         try:

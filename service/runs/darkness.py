@@ -1,4 +1,4 @@
-"""After safe-off the bench stays dark until somebody releases it: runs are queued, and wait."""
+"""After safe-off the bench stays dark, and queued runs wait, until somebody wants light again."""
 
 import threading
 from dataclasses import dataclass

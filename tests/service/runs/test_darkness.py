@@ -1,4 +1,4 @@
-"""After safe-off runs wait until the bench is released; the bench here does what it is told."""
+"""After safe-off queued runs wait until somebody wants light; the bench here does as it is told."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -86,23 +86,35 @@ def bench(store: Store, tmp_path: Path) -> Bench:
     return Bench(store, tmp_path)
 
 
-def test_runs_that_wait_and_new_ones_begin_only_once_the_bench_is_released(bench: Bench) -> None:
+def test_a_queued_run_begins_only_once_the_bench_is_released(bench: Bench) -> None:
     runs = [bench.submit(), bench.submit()]
     assert bench.look_for_work() == runs[:1]
     bench.commands.safe_off(BOB)
     bench.owner.end()
-    runs.append(bench.submit())
     assert bench.look_for_work() == runs[:1]
     bench.commands.release(ADA)
-    assert bench.look_for_work() == runs[:2]
+    assert bench.look_for_work() == runs
+
+
+def test_who_asks_for_a_run_or_resumes_one_wants_light(bench: Bench) -> None:
+    runs = [bench.submit(), bench.submit()]
+    bench.commands.safe_off(BOB)
+    assert bench.commands.submit(short_plan(), ADA, idempotency_key="once")[1]
+    assert bench.look_for_work() == runs[:1]
+    bench.commands.safe_off(BOB)
+    bench.owner.end()
+    assert not bench.commands.submit(short_plan(), ADA, idempotency_key="once")[1]
+    assert bench.look_for_work() == runs[:1]
+    bench.commands.resume(runs[0], ADA)
+    assert bench.keeper.darkness.kept is None
 
 
 def test_another_service_goes_on_keeping_the_bench_dark_and_stays_released(
     bench: Bench, store: Store, tmp_path: Path
 ) -> None:
-    bench.commands.safe_off(BOB)
     run = bench.submit()
-    (pressed,) = store.audit.list().items[1:]
+    bench.commands.safe_off(BOB)
+    (pressed,) = store.audit.list().items[:1]
     second = Bench(store, tmp_path)
     kept = second.keeper.darkness.kept
     assert kept is not None
@@ -126,9 +138,9 @@ def test_a_run_that_is_given_the_bench_while_safe_off_is_pressed_is_ended(bench:
 
 def test_a_bench_that_does_not_answer_is_kept_dark_all_the_same(bench: Bench, store: Store) -> None:
     bench.owner.is_silent = True
+    bench.submit()
     with pytest.raises(DeviceError, match="look at the lamps"):
         bench.commands.safe_off(BOB)
-    bench.submit()
     assert bench.look_for_work() == []
     assert "bench.safe-off" in [each.action for each in store.audit.list().items]
 
@@ -136,6 +148,7 @@ def test_a_bench_that_does_not_answer_is_kept_dark_all_the_same(bench: Bench, st
 def test_who_presses_again_while_the_bench_is_released_keeps_it_dark(
     bench: Bench, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    bench.submit()
     bench.commands.safe_off(BOB)
     record = store.audit.record
 
@@ -145,7 +158,6 @@ def test_who_presses_again_while_the_bench_is_released_keeps_it_dark(
 
     monkeypatch.setattr(store.audit, "record", pressed_meanwhile)
     bench.commands.release(ADA)
-    bench.submit()
     assert bench.look_for_work() == []
 
 
