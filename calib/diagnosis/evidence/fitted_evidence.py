@@ -59,9 +59,8 @@ def _common(quiet: Evidence) -> CommonNoise:
     own = observed[:, where["common"]].mean(axis=1)
     cross = observed[:, where["common_taps"]].mean(axis=1)
     excess = own / taps + cross * (taps - 1) / taps
-    lagged = observed[:, where["common_1"]].mean(axis=1) + observed[:, where["common_2"]].mean(
-        axis=1
-    )
+    lags = ("common_1",) if quiet.sensor.n_rows > 1 else ("common_1", "common_2")
+    lagged = np.sum([observed[:, where[lag]].mean(axis=1) for lag in lags], axis=0)
     signal = (quiet.baseline.mean_dn - quiet.baseline.offset_dn).mean(axis=(1, 2))
     freedom = (quiet.n - 1) * quiet.sensor.n_rows
     return fit_common_noise(

@@ -17,8 +17,6 @@ from calib.diagnosis.statistics.counts import Counts
 
 Floats = NDArray[np.float64]
 
-LAGS = (1, 2)
-"""Of rows whose covariances are looked at."""
 LEAST = 0.01
 """Of a correlation's eigenvalues: taps are alike to a few per cent, and no closer."""
 
@@ -43,7 +41,7 @@ class SharedNoise:
         """Return by how much shared noise raises the standard deviations, (n_taps + 3,).
 
         Of each tap's variance, of the mean covariance of two taps, and of covariances one and two
-        rows, or lines, apart.
+        lines apart; of a frame, of its rows one apart, and of frames.
         """
         with_it, without = (np.diag(each.covariance()) for each in (self, self._quiet))
         raised = np.sqrt(with_it / np.where(without > 0, without, 1.0))
@@ -96,8 +94,12 @@ class SharedNoise:
         n_rows = len(self.counts.present)
         near = float(self.white.mean()) / self.counts.taps_of_row + self.shared
         far = self.rows_share * self.shared
-        mixed = 2.0 * far**2 + 4.0 * far * (near - far) / n_rows
-        found[-2:] = found[:, -2:] = mixed
-        for i, lag in enumerate(LAGS, start=-2):
-            n = max(n_rows - lag, 1)
-            found[i, i] = 2.0 * far**2 + (near**2 - far**2) / n
+        if n_rows == 1:
+            found[-2:] = found[:, -2:] = 0.0
+            found[-2, -2] = found[-1, -1] = near**2
+            return
+        # What two frames share goes with nothing that one of them tells.
+        found[-2:-1] = found[:, -2:-1] = 2.0 * far**2 + 4.0 * far * (near - far) / n_rows
+        found[-2, -2] = 2.0 * far**2 + (near**2 - far**2) / (n_rows - 1)
+        found[-1:] = found[:, -1:] = 0.0
+        found[-1, -1] = (far + (near - far) / n_rows) ** 2

@@ -104,7 +104,7 @@ class Responder:
         counts, sensor = self._cleaned(few(np.flatnonzero(z > NOISY_SIGMA), len(z)))
         moved = _mean([each.pooled(variance, sensor, counts) for each in drawn])
         moved = moved - plain.pooled(variance, sensor, counts)
-        moved = as_of_long_blocks(moved, self.n_lines, table.n_lines, sensor)
+        moved = as_of_long_blocks(moved, self.n_lines, table.n_lines, sensor, counts)
         rare = _mean([d.rare(sensor) for d in drawn]) - plain.rare(sensor)
         if sampled and not any(map(self.chain.has_events, effects)):
             scatter, counted = scatter_change(sampled, variance, sensor, counts)

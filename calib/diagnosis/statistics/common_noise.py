@@ -11,10 +11,6 @@ SIGNIFICANT = 14.0
 """Deviance that shared noise has to explain before it counts."""
 
 
-LAGS = 2
-"""At which covariances of lines are looked at."""
-
-
 @dataclass(frozen=True)
 class CommonNoise:
     """Variance that a line's pixels share: fixed + relative x signal^2.
@@ -53,7 +49,8 @@ def fit_common_noise(
 
     Args:
         excess: Variance of the line means beyond what independent pixels give, DN^2, (n_blocks,).
-        lagged: Sum of their covariances at the lags that were looked at, (n_blocks,).
+        lagged: Sum of their covariances one and two lines apart, (n_blocks,); of a frame's rows,
+            one row apart.
         white: What independent pixels give, (n_blocks,).
         signal: Mean signal, DN, (n_blocks,).
         freedom: Degrees of freedom of each variance, (n_blocks,).
@@ -79,7 +76,7 @@ def fit_common_noise(
     ratio = float(lagged.sum()) / max(total, 1e-300)
     if n_rows > 1:
         # Frames are exposed one by one: what two rows share, all of them do.
-        share = float(np.clip(ratio / LAGS, 0.0, 1.0))
+        share = float(np.clip(ratio, 0.0, 1.0))
         return CommonNoise(*best, 1.0 + share * (n_rows - 1), share)
     return CommonNoise(*best, float(np.clip(1.0 + 2.0 * ratio, 0.1, 6.0)))
 

@@ -39,8 +39,11 @@ def expected(
     of_tap = taps / (counts.tap_size.sum(axis=0) / rows_of_tap)
     spread = float(np.sqrt((of_tap**2).mean()))
     kept = settled(n)
-    # Rows of a frame are about their own means over the frames, lines about none of their own.
-    lines = kept if sensor.n_rows == 1 else (kept - 1) * sensor.n_rows
+    of_row = float(of_tap.mean() / counts.taps_of_row)
+    # Of what follows in time: a line of a line sensor, or a frame. Its residuals are about the
+    # block's own mean, and covary by -1/n of it; rows of one frame do not.
+    whole = of_row / sensor.n_rows
+    next_row = of_row / np.sqrt((kept - 1) * sensor.n_rows)
     tap_of_group = np.arange(sensor.n_groups) // STRETCHES
     # Taking off a line's mean mixes a pixel's variance with those of its tap.
     own = (v * (1.0 - 2.0 / size) + taps[tap_of_group] / size) / (1.0 - 1.0 / size)
@@ -52,12 +55,8 @@ def expected(
         "partners": np.zeros(len(sensor.partner)),
         "common": of_tap,
         "common_taps": np.zeros(1),
-        "common_1": np.zeros(1)
-        if sensor.n_rows > 1
-        else np.full(1, -of_tap.mean() / sensor.n_taps / kept),
-        "common_2": np.zeros(1)
-        if sensor.n_rows > 1
-        else np.full(1, -of_tap.mean() / sensor.n_taps / kept),
+        "common_1": np.zeros(1) if sensor.n_rows > 1 else np.full(1, -whole / kept),
+        "common_2": np.full(1, -whole / kept),
     }
     shared = np.array([1.0 / rows for rows in counts.shared_rows.values()] or [np.inf])
     std = {
@@ -71,8 +70,10 @@ def expected(
         ),
         "common": np.sqrt(2.0 / ((kept - 1) * rows_of_tap)) * of_tap,
         "common_taps": np.full(1, spread * np.sqrt(shared.sum() / (kept - 1)) / len(shared)),
-        "common_1": np.full(1, of_tap.mean() / counts.taps_of_row / np.sqrt(lines)),
-        "common_2": np.full(1, of_tap.mean() / counts.taps_of_row / np.sqrt(lines)),
+        "common_1": np.full(1, next_row if sensor.n_rows > 1 else whole / np.sqrt(kept)),
+        "common_2": np.full(
+            1, whole * np.sqrt(lagged_variance(kept, 1) if sensor.n_rows > 1 else 1.0 / kept)
+        ),
     }
     if sensor.n_rows == 1:
         std["rows"] = np.full_like(v, np.inf)

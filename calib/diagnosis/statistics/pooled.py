@@ -114,22 +114,21 @@ def settled(n: int) -> int:
 def _common(line_means: Floats, first: int, counts: Counts) -> dict[str, Floats]:
     """Return variances and covariances of what a line's pixels have in common.
 
-    The first lines, where a step from the block before shows, are looked at elsewhere.
+    Lines of a line sensor are compared with the next and the one after it. Of a frame, rows are
+    compared with the next row, and the frame as a whole with the next frame. The first lines, where
+    a step from the block before shows, are looked at elsewhere.
     """
     line_means = line_means[..., first:, :, :]
     n = line_means.shape[-3]
     centred = line_means - line_means.mean(axis=-3, keepdims=True)
     n_rows = centred.shape[-2]
-    # Rows of a frame, lines of a line sensor follow each other.
-    along, pairs = np.moveaxis(centred.sum(axis=-1) / counts.taps_of_row, -2, -1), [n - 1, n_rows]
+    along = centred.sum(axis=-1) / counts.taps_of_row
+    down = along.mean(axis=-1)
     if n_rows > 1:
-        along = np.swapaxes(along, -2, -1)
+        of_rows = (along[..., 1:] * along[..., :-1]).sum(axis=(-2, -1))
+        lagged = [of_rows / ((n - 1) * (n_rows - 1)), _lagged(down, 1)]
     else:
-        pairs = [1, n]
-    lagged = [
-        (along[..., k:] * along[..., :-k]).sum(axis=(-2, -1)) / max(pairs[0] * (pairs[1] - k), 1)
-        for k in (1, 2)
-    ]
+        lagged = [_lagged(down, 1), _lagged(down, 2)]
     cross = [
         (centred[..., a] * centred[..., b]).sum(axis=(-2, -1)) / ((n - 1) * rows)
         for (a, b), rows in counts.shared_rows.items()
@@ -141,3 +140,9 @@ def _common(line_means: Floats, first: int, counts: Counts) -> dict[str, Floats]
         "common_1": np.asarray(lagged[0])[..., None],
         "common_2": np.asarray(lagged[1])[..., None],
     }
+
+
+def _lagged(means: Floats, lag: int) -> Floats:
+    """Return the covariance of lines, or frames, `lag` apart, of means (..., n)."""
+    pairs = max(means.shape[-1] - lag, 1)
+    return np.asarray((means[..., lag:] * means[..., :-lag]).sum(axis=-1) / pairs)

@@ -22,6 +22,11 @@ def _reciprocity(t: Telling) -> str:
     )
 
 
+def _jitters(t: Telling) -> str:
+    of = f" of {t.value('reference_us'):g} us, however long they are,"
+    return of if getattr(t.effect, "constant") == "time" else ""  # noqa: B009 - its own
+
+
 def _stray(t: Telling) -> str:
     return (
         "Light from elsewhere reaches the uncapped lens, "
@@ -116,7 +121,8 @@ SENTENCES: dict[str, Sentence] = {
         f"{t.either('offset_us', 'longer', 'shorter')} than stated: an exposure offset."
     ),
     "exposure_jitter": lambda t: (
-        f"Exposures scatter by {t.share('relative_std')} from line to line: exposure jitter."
+        f"Exposures scatter by {t.share('relative_std')}{_jitters(t)} from line to line: exposure "
+        "jitter."
     ),
     "reciprocity_failure": _reciprocity,
     "dark_current": _dark,

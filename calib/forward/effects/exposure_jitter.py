@@ -29,6 +29,10 @@ class ExposureJitter(Departure):
 
     Attributes:
         relative_std: Standard deviation of the exposure time relative to it.
+        constant: What is the same at all exposures: "share", that relative one, as of a clock that
+            wanders; or "time", as of edges that come early or late, and then it is the relative one
+            at `reference_us`.
+        reference_us: That exposure.
     """
 
     name: ClassVar[str] = "exposure_jitter"
@@ -42,6 +46,8 @@ class ExposureJitter(Departure):
     depends_on: ClassVar[tuple[Variable, ...]] = ("line", "signal")
 
     relative_std: float = parameter(0.002, unit="1", low=0.0, high=0.2, neutral=0.0)
+    constant: str = parameter("share", unit="", choices=("share", "time"))
+    reference_us: float = parameter(1000.0, unit="us", low=1e-3, high=1e9)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:
         """Radiance x us in and out, (n_lines, *sample)."""
@@ -49,7 +55,10 @@ class ExposureJitter(Departure):
 
     def line_factor(self, at: Conditions, rng: Generator) -> Columns:
         """Return each line's exposure relative to the mean, (n_lines,)."""
-        return np.maximum(1.0 + self.relative_std * rng.standard_normal(at.n_lines), 0.0)
+        std = self.relative_std
+        if self.constant == "time":
+            std = std * self.reference_us / at.exposure_us
+        return np.maximum(1.0 + std * rng.standard_normal(at.n_lines), 0.0)
 
     @classmethod
     def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:  # noqa: ARG003

@@ -26,7 +26,12 @@ CASES: tuple[tuple[str, dict[str, object], str], ...] = (
     ("level_nonadditivity", {"loss_per_lamp": 0.03}, "lamp takes 3.0 % of the light"),
     ("stray_light", {"radiance": 0.2}, "2.0 % of the brightest level"),
     ("exposure_offset", {"offset_us": -0.5}, "0.50 µs shorter"),
-    ("exposure_jitter", {"relative_std": 0.002}, "scatter by 0.20 %"),
+    ("exposure_jitter", {"relative_std": 0.002}, "scatter by 0.20 % from line to line"),
+    (
+        "exposure_jitter",
+        {"relative_std": 0.002, "constant": "time"},
+        "scatter by 0.20 % of 1000 us, however long they are",
+    ),
     ("reciprocity_failure", {"exponent": 0.02}, "4.6 % less"),
     ("dark_current", {"electrons_per_us": 0.5}, "0.50 e⁻/µs or 50 DN in the longest"),
     ("dark_current_temperature", {"electrons_per_us": 0.5}, "0.50 e⁻/µs at 25 °C"),

@@ -91,3 +91,14 @@ def test_no_light_gives_no_response_at_any_exponent(exponent: float) -> None:
     light = np.array([[0.0, 50.0 * 4.0]])
     failing = ReciprocityFailure(exponent=exponent, reference_radiance=4.0)
     assert np.allclose(failing.apply(light, at(1), RNG), light, rtol=1e-15, atol=0)
+
+
+@pytest.mark.parametrize(("constant", "falls_by"), [("share", 1.0), ("time", 4.0)])
+def test_jitter_is_a_share_of_the_exposure_or_a_time(constant: str, falls_by: float) -> None:
+    n, effect = 2000, ExposureJitter(0.02, constant, 50.0)
+    std = [
+        effect.line_factor(at(n, exposure_us=exposure_us), np.random.default_rng()).std()
+        for exposure_us in (50.0, 200.0)
+    ]
+    assert abs(std[0] / 0.02 - 1.0) < 5 / np.sqrt(2 * n)
+    assert abs(std[0] / std[1] / falls_by - 1.0) < 5 / np.sqrt(n)
