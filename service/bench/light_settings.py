@@ -24,6 +24,8 @@ class GenLightPart(BenchPart):
     hours_path: Path | None = None
     """The file in which lamp hours are counted, relative to the bench file."""
     baudrate: int = Field(default=9600, gt=0)
+    timeout_s: float = Field(default=1.0, gt=0)
+    """How long a reply may take."""
 
 
 class MightexLightPart(BenchPart):

@@ -19,6 +19,8 @@ class KeithleyMonitorPart(BenchPart):
     """Integration time in periods of the mains."""
     mains_hz: float = Field(default=50.0, gt=0)
     baudrate: int = Field(default=9600, gt=0)
+    timeout_s: float = Field(default=1.0, gt=0)
+    """How long a reply may take beyond the integration."""
 
 
 class MockMonitorPart(BenchPart):

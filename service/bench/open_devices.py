@@ -53,6 +53,7 @@ def open_monitor(part: MonitorPart, simulated: Simulated | None) -> Monitor | No
                 nplc=part.nplc,
                 mains_hz=part.mains_hz,
                 baudrate=part.baudrate,
+                timeout_s=part.timeout_s,
             )
         case MockMonitorPart():
             from drivers.mock.monitor import MockMonitor  # noqa: PLC0415

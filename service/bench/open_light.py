@@ -41,6 +41,7 @@ def _gen(part: GenLightPart, simulated: Simulated | None) -> LightSource:
         rating=rating,
         hours_path=part.hours_path,
         baudrate=part.baudrate,
+        timeout_s=part.timeout_s,
         dark=True,
     )
 

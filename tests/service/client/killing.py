@@ -6,16 +6,13 @@ import signal
 import threading
 import time
 from collections import Counter
-from contextlib import suppress
 from pathlib import Path
 from statistics import median
 from typing import Any
 
 from calib.recording.commit_log import commit_path
 from calib.recording.open import open_recording
-from service.api.answers.run import RunAnswer
 from service.client import Client
-from service.client.errors import WorkFailedError
 from service.client.runs import FINAL
 from service.plan.expand import expand
 from service.plan.model import Plan
@@ -35,17 +32,6 @@ PLAN: Plan = short_plan(
 )
 _CERTIFYING_S = 0.05
 """About as long as it takes."""
-
-
-def read_back(client: Client) -> float | str | bool | None:
-    """Return the level that burns, None where the lamps' line did not answer in time."""
-    return next(e.values.get("level") for e in client.bench.look() if e.role == "light")
-
-
-def can_go_on(run: RunAnswer) -> bool:
-    """Whether a run was killed, or ended by an emulator that a busy machine let answer too late."""
-    late = run.error is not None and run.error.code == "device-timeout"
-    return run.state == "interrupted" or (run.state == "failed" and late)
 
 
 class Killing:
@@ -94,7 +80,7 @@ class Killing:
 
     def _begin(self) -> None:
         with self.service.client() as client:
-            if self._run_id and can_go_on(client.runs.get(self._run_id)):
+            if self._run_id and client.runs.get(self._run_id).state == "interrupted":
                 client.runs.resume(self._run_id)
                 return
             self._run_id = client.runs.start(PLAN.model_dump(mode="json")).id
@@ -138,11 +124,10 @@ class Killing:
     def _look(self) -> None:
         with self.service.client() as client:
             until_idle(client)
-            levels: list[Any] = []
-            wait_until(lambda: levels.append(read_back(client)) or levels[-1] is not None)
-            assert levels[-1] == 0.0
+            light = next(each for each in client.bench.look() if each.role == "light")
+            assert light.values["level"] == 0.0, light
             run = client.runs.get(self._run_id)
-            assert run.state == "succeeded" or can_go_on(run), run.error
+            assert run.state in {"interrupted", "succeeded"}, run.error
             self.cut["run"] += run.state == "interrupted"
             self._assert_kept(client)
         checked = check(Settings(home=self.service.home), lambda *_: None)
@@ -169,11 +154,9 @@ class Killing:
     def finish(self) -> None:
         """Let the run come to its end: it is what it would have been, frame by frame."""
         with self.service.client() as client:
-            while can_go_on(run := client.runs.get(self._run_id)):
+            if client.runs.get(self._run_id).state == "interrupted":
                 client.runs.resume(self._run_id)
-                with suppress(WorkFailedError):
-                    client.runs.wait(self._run_id)
-            assert run.state == "succeeded", run.error
+            run = client.runs.wait(self._run_id)  # raises unless it succeeded
             assert client.recordings.get(run.recording or "").digest == run.recording
         assert_survived(self._frames, self.acknowledged_frames())
         lines: dict[str, Any] = {step.block.block: step.lines for step in expand(PLAN)}

@@ -10,6 +10,10 @@ from service.bench.settings import BenchSettings
 from tests.service.sequencer.benches import in_process
 from tests.service.served import Served, served
 
+PATIENT_S = 30.0
+"""How long a reply may take: of a busy machine the emulators' process was given nothing for 0.8 s
+at a stretch, where ten others wanted its two cores. A device has a processor of its own."""
+
 
 @contextmanager
 def served_with_lamps(folder: Path, *, lamps: int, baudrate: int) -> Iterator[Served]:
@@ -23,6 +27,7 @@ def served_with_lamps(folder: Path, *, lamps: int, baudrate: int) -> Iterator[Se
             "port": emulators.ports["lamps"],
             "addresses": list(range(1, lamps + 1)),
             "baudrate": baudrate,
+            "timeout_s": PATIENT_S,
             "ramp_step_a": 2.0,
             "ramp_step_s": 0.01,
         }
@@ -31,6 +36,7 @@ def served_with_lamps(folder: Path, *, lamps: int, baudrate: int) -> Iterator[Se
             "port": emulators.ports["monitor"],
             "range_a": 2e-6,
             "baudrate": baudrate,
+            "timeout_s": PATIENT_S,
         }
         with served(folder, BenchSettings.parse(content)) as started:
             yield started
