@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from service.cli.answering import Answer, Json, answering
+from service.cli.for_good import for_good
 from service.cli.paths import path_option
 
 if TYPE_CHECKING:
@@ -49,14 +50,16 @@ def serve(
 
 
 def _serve(settings: "Settings", owner: "BenchOwner", answer: Answer) -> None:
-    from service.app import create_app  # noqa: PLC0415
-    from service.cli.listening import listen, serve_until_stopped  # noqa: PLC0415
-    from service.store.store import Store  # noqa: PLC0415
+    with for_good():
+        from service.app import create_app  # noqa: PLC0415
+        from service.cli.listening import listen, serve_until_stopped  # noqa: PLC0415
+        from service.store.store import Store  # noqa: PLC0415
 
     with Store.open(settings) as store:
         has_keys = store.keys.any()
     with listen(settings.host, settings.port, has_keys=has_keys) as listening:
-        app = create_app(settings, owner=owner, page=True)
+        with for_good():
+            app = create_app(settings, owner=owner, page=True)
         url = f"http://{settings.host}:{listening.getsockname()[1]}"
         answer.give(
             {
