@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import tifffile
-from astropy.io import fits
 from numpy.typing import NDArray
 
 from calib.errors import InputError
@@ -37,6 +36,8 @@ def _loaded(path: Path) -> NDArray[np.float64]:
         if path.suffix.lower() in (".tif", ".tiff"):
             return np.asarray(tifffile.imread(path), dtype=np.float64)
         if path.suffix.lower() in (".fits", ".fit"):
+            from astropy.io import fits  # noqa: PLC0415  (slow to import, and seldom needed)
+
             with fits.open(path) as hdus:
                 return np.asarray(hdus[0].data, dtype=np.float64)
         return np.asarray(np.load(path, allow_pickle=False), dtype=np.float64)

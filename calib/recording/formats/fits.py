@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from astropy.io import fits
 from numpy.typing import NDArray
 
 from calib.arrays import RawLines
@@ -27,6 +26,8 @@ _TYPES = {8: ">u1", 16: ">i2", 32: ">i4", 64: ">i8", -32: ">f4", -64: ">f8"}
 
 def read(path: Path, _camera: CameraHeader) -> FrameFile:
     """Open the primary image of `path` memory-mapped."""
+    from astropy.io import fits  # noqa: PLC0415  (slow to import, and seldom needed)
+
     try:
         with path.open("rb") as file:
             header = fits.Header.fromfile(file)
@@ -63,6 +64,8 @@ def write(
     path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], stretches: Iterable[RawLines]
 ) -> None:
     """Write a primary image."""
+    from astropy.io import fits  # noqa: PLC0415  (slow to import, and seldom needed)
+
     header = fits.Header()
     header["SIMPLE"] = True
     header["BITPIX"] = 8 * dtype.itemsize
