@@ -30,8 +30,6 @@ PLAN: Plan = short_plan(
     lines=768,
     settle={"tolerance_percent": 5.0, "stable_for_s": 0.1, "interval_s": 0.02, "timeout_s": 60.0},
 )
-_CERTIFYING_S = 0.05
-"""About as long as it takes."""
 
 
 class Killing:
@@ -67,10 +65,11 @@ class Killing:
             wait_until(self._is_lit_or_over)
             wait_until(lambda: bool(self.told.recordings and self.told.certified))
             time.sleep(self._random.uniform(0.0, 1.5))
+            doomed = children(self.service.pid) if bench_too else []
             clients.certifying.clear()
             assert clients.certifying.wait(60)
-            time.sleep(self._random.uniform(0.0, _CERTIFYING_S))
-            killed_at_s = self._kill(bench_too=bench_too)
+            time.sleep(self._random.uniform(0.0, self.told.certifying_s))
+            killed_at_s = self._kill(doomed)
         self.cut.update(what for what, at in clients.asked_at_s.items() if at < killed_at_s)
         before = self.acknowledged_frames()
         assert before[: len(self._frames)] == self._frames
@@ -96,10 +95,10 @@ class Killing:
     def _is_dark(self) -> bool:
         return is_dark(self._folder / "world")
 
-    def _kill(self, *, bench_too: bool) -> float:
+    def _kill(self, children_too: list[int]) -> float:
         """kill -9, the bench's process first: once the service is dead it switches off."""
         at_s = time.monotonic()
-        for pid in children(self.service.pid) if bench_too else ():
+        for pid in children_too:
             os.kill(pid, signal.SIGKILL)
         self.service.kill()
         return at_s
@@ -164,13 +163,12 @@ class Killing:
 
     def in_words(self) -> str:
         """Return the figures."""
-        told, dark = self.told, self.dark_after_s
+        told = self.told
         return (
             f"in the middle of {dict(self.cut)}; {len(told.recordings)} uploads and"
-            f" {len(told.certified)} certifications acknowledged; both processes killed: dark"
-            f" {median(dark):.2f} s after the restart, at most {max(dark):.2f} s ({len(dark)}×);"
-            f" the service alone: at most {max(self.dark_alone_after_s):.2f} s;"
-            f" left over: {self.left_over}"
+            f" {len(told.certified)} certifications acknowledged; after the restart dark, both"
+            f" processes killed: {_in_words(self.dark_after_s)}; the service alone:"
+            f" {_in_words(self.dark_alone_after_s)}; left over: {self.left_over}"
         )
 
     def acknowledged_frames(self) -> list[bytes]:
@@ -180,3 +178,8 @@ class Killing:
 
     def _recorded(self) -> Path:
         return self.service.home / "runs" / f"{self._run_id}.h5"
+
+
+def _in_words(seconds: list[float]) -> str:
+    each = " ".join(f"{second:.3f}" for second in sorted(seconds))
+    return f"median {median(seconds):.3f} s, at most {max(seconds):.3f} s ({each})"
