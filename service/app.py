@@ -34,6 +34,7 @@ from service.api.jobs.scratch import clear_scratch
 from service.api.key_ring import KeyRing
 from service.api.openapi import describe_api
 from service.api.problems import add_problem_handlers
+from service.api.recording_files import take_back
 from service.api.security_headers import SecurityHeaders
 from service.bench.settings import BenchSettings
 from service.owner.owner import BenchOwner
@@ -124,6 +125,7 @@ def _watched(app: FastAPI) -> tuple[Store, RunKeeper | None] | None:
 def _open(settings: Settings, owner: BenchOwner | None) -> Parts:
     store = Store.open(settings)
     settings.work_folder.mkdir(parents=True, exist_ok=True)
+    take_back(settings, store)
     clear_scratch(settings)
     runner = JobRunner(store, JobFiles(settings.jobs_folder), max_waiting=settings.max_queued_jobs)
     runner.start()

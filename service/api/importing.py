@@ -9,7 +9,7 @@ from calib.recording.folder import import_folder
 from calib.recording.open import open_recording
 from service.api.archive_names import names_of_the_archive
 from service.api.hdf5_safety import check_self_contained
-from service.api.recording_files import FILE, FILES_LOCK, settle
+from service.api.recording_files import FILE, FILES_LOCK, arriving, settle
 from service.api.unpacking import unpack
 from service.settings import Settings
 from service.store.actor import Actor
@@ -33,7 +33,7 @@ def import_archive(
             _take(unpacked, kept / FILE)
         digest = open_recording(kept / FILE).digest()
         home = settings.recordings_folder / digest
-        with FILES_LOCK:
+        with FILES_LOCK, arriving(home, settings):
             settle(kept, home)
             is_new = not store.recordings.knows(digest)
             record = store.recordings.register(

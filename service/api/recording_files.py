@@ -3,6 +3,8 @@
 import shutil
 import tempfile
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from calib.recording.durable import sync
@@ -14,6 +16,7 @@ FILE = "recording.h5"
 FILES_LOCK = threading.Lock()
 """Held from settling files to putting them on record, and from taking a recording off the record
 to taking its files away: what comes in again meanwhile keeps its files."""
+_ARRIVING = "arriving-"
 
 
 def settle(kept: Path, home: Path) -> None:
@@ -26,6 +29,29 @@ def settle(kept: Path, home: Path) -> None:
         return
     kept.rename(home)
     sync(home.parent)
+
+
+@contextmanager
+def arriving(home: Path, settings: Settings) -> Iterator[None]:
+    """Settle files at `home` and put them on record inside; who dies there leaves a note of it."""
+    if home.exists():
+        yield
+        return
+    note = settings.work_folder / f"{_ARRIVING}{home.name}"
+    note.touch()
+    yield
+    note.unlink()
+
+
+def take_back(settings: Settings, store: Store) -> None:
+    """Take away what was arriving when a service was killed: no record names it, nobody was told.
+
+    The notes go with all else that it had under way.
+    """
+    for note in settings.work_folder.glob(f"{_ARRIVING}*"):
+        digest = note.name.removeprefix(_ARRIVING)
+        if not store.recordings.knows(digest):
+            shutil.rmtree(settings.recordings_folder / digest, ignore_errors=True)
 
 
 def delete_recording(digest: str, *, by: Actor, settings: Settings, store: Store) -> None:

@@ -12,8 +12,13 @@ from fastapi.testclient import TestClient
 
 from calib.recording.commit_log import commit_path
 from calib.recording.open import open_recording
+from service.api.importing import import_archive
 from service.app import create_app
 from service.settings import Settings
+from service.store.actor import Actor
+from service.store.check.check import check
+from service.store.recordings import Recordings
+from service.store.store import Store
 from tests.service.api.packing import as_files, as_folder, packed
 
 ZIP = {"Content-Type": "application/zip"}
@@ -47,6 +52,41 @@ def test_what_a_killed_service_had_under_way_goes_at_the_next_start(settings: Se
     (settings.work_folder / "upload.zip").write_bytes(b"half")
     with TestClient(create_app(settings)):
         assert list(settings.work_folder.iterdir()) == []
+
+
+class Killed(BaseException):
+    """Nothing of the service is done after this."""
+
+
+@pytest.mark.parametrize("put_on_record", [False, True])
+def test_an_upload_that_a_kill_cut_off_leaves_nothing_or_is_there(
+    settings: Settings,
+    recording_file: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    put_on_record: bool,
+) -> None:
+    register = Recordings.register
+
+    def killed(*given: Any, **named: Any) -> None:
+        if put_on_record:
+            register(*given, **named)
+        raise Killed
+
+    archive = settings.home / "upload.zip"
+    with TestClient(create_app(settings)), Store.open(settings) as store:
+        archive.write_bytes(as_files(recording_file))
+        monkeypatch.setattr(Recordings, "register", killed)
+        with pytest.raises(Killed):
+            import_archive(archive, name="", by=Actor("ada"), settings=settings, store=store)
+        monkeypatch.undo()
+    digest = open_recording(recording_file).digest()
+    assert (settings.recordings_folder / digest).is_dir()
+    with TestClient(create_app(settings)), Store.open(settings) as store:
+        assert store.recordings.knows(digest) == put_on_record
+    assert (settings.recordings_folder / digest).is_dir() == put_on_record
+    checked = check(settings, lambda *_: None)
+    assert checked.findings == ()
+    assert checked.recordings == put_on_record
 
 
 def test_what_is_wrong_is_told_without_where_it_lies_on_the_server(
