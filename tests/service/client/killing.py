@@ -6,6 +6,7 @@ import signal
 import threading
 import time
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -25,17 +26,25 @@ from tests.service.sequencer.benches import short_plan, whole_blocks
 from tests.service.sequencer.test_kill import assert_survived
 from tests.service.served import Served, children, until_idle
 
-PLAN: Plan = short_plan(
-    sweep={"type": "exposure", "exposures_us": [50.0, 100.0, 150.0], "level": 2},
-    lines=768,
-    settle={"tolerance_percent": 5.0, "stable_for_s": 0.1, "interval_s": 0.02, "timeout_s": 60.0},
-)
+EXPOSURES_US = (50.0, 100.0, 150.0)
+
+
+def plan_of(exposures_us: Sequence[float]) -> Plan:
+    """Return a plan of a dark and a flat of 0.8 s at each exposure."""
+    return short_plan(
+        sweep={"type": "exposure", "exposures_us": list(exposures_us), "level": 2},
+        lines=768,
+        settle={
+            "tolerance_percent": 5.0, "stable_for_s": 0.1, "interval_s": 0.02, "timeout_s": 60.0
+        },
+    )  # fmt: skip
 
 
 class Killing:
     """Kills, starts anew, and looks at what is there.
 
     Attributes:
+        plan: Of the run.
         told: What was acknowledged.
         cut: How many kills came in the middle of a run, a certification, an upload.
         dark_after_s: How long after a restart had begun the lamps were seen to be off, where the
@@ -43,8 +52,15 @@ class Killing:
         dark_alone_after_s: Likewise after a kill of the service alone.
     """
 
-    def __init__(self, service: Served, folder: Path, recording: Path) -> None:
+    def __init__(
+        self,
+        service: Served,
+        folder: Path,
+        recording: Path,
+        exposures_us: Sequence[float] = EXPOSURES_US,
+    ) -> None:
         self.service = service
+        self.plan = plan_of(exposures_us)
         self.told = Acknowledged()
         self.cut: Counter[str] = Counter()
         self.dark_after_s: list[float] = []
@@ -80,7 +96,7 @@ class Killing:
             if self._run_id and client.runs.get(self._run_id).state == "interrupted":
                 client.runs.resume(self._run_id)
                 return
-            self._run_id = client.runs.start(PLAN.model_dump(mode="json")).id
+            self._run_id = client.runs.start(self.plan.model_dump(mode="json")).id
             self._frames = []
 
     def _is_lit_or_over(self) -> bool:
@@ -155,7 +171,7 @@ class Killing:
             run = client.runs.wait(self._run_id)  # raises unless it succeeded
             assert client.recordings.get(run.recording or "").digest == run.recording
         assert_survived(self._frames, self.acknowledged_frames())
-        lines: dict[str, Any] = {step.block.block: step.lines for step in expand(PLAN)}
+        lines: dict[str, Any] = {step.block.block: step.lines for step in expand(self.plan)}
         assert whole_blocks(self._recorded()) == lines
 
     def in_words(self) -> str:

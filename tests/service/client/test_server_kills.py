@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.service.cli.a_recording import plan_file, recording_file
-from tests.service.client.killing import Killing
+from tests.service.client.killing import EXPOSURES_US, Killing
 from tests.service.client.outliving_lamps import served_with_lamps
 from tests.service.served import ROOT
 
@@ -27,7 +27,7 @@ def test_a_killed_server_has_lost_nothing_that_it_acknowledged(
     tmp_path: Path, recording_file: Path
 ) -> None:
     with served_with_lamps(tmp_path, lamps=2, baudrate=115200) as service:
-        killing = Killing(service, tmp_path, recording_file)
+        killing = Killing(service, tmp_path, recording_file, EXPOSURES_US[:2])
         for bench_too in (True, False):
             killing.once(bench_too=bench_too)
         killing.finish()
