@@ -9,8 +9,8 @@ from contextlib import contextmanager
 def for_good() -> Iterator[None]:
     """Collect no garbage inside, and never look through what is there at the end.
 
-    Of the 1.9 s that a service's imports take, looking for garbage is 0.45 s; afterwards each full
-    collection would visit all that was imported while everybody waits, and the exit for 0.7 s.
+    While a service's modules come in, looking for garbage takes 0.45 of 1.9 s of processor time; to
+    look through all of them once more, before the server begins, another 0.3 s.
     """
     gc.disable()
     try:
