@@ -179,16 +179,24 @@ class CodeCounts:
         other, _ = self._contrasts(shares[-1])
         most = MOST_CONTRAST * np.sqrt(variance)
         product = np.clip(one, -most, most) * np.clip(other, -most, most)
-        chance = float(n_judged) if len(shares) == 1 else 0.0
-        return float(((product / variance).sum() - chance) / np.sqrt(4.0 * n_judged))
+        found = float((product / variance).sum())
+        if len(shares) == 1:
+            # Counts alone give the one, with all that the expectation may err by the other.
+            found -= float(np.clip(found, (self._counted[judged] / variance).sum(), n_judged))
+        return found / float(np.sqrt(4.0 * n_judged))
 
     def _contrasts(self, share: Floats) -> tuple[Floats, Floats]:
         """Return each judged code against its neighbours, relative, and the variance by chance."""
         judged = self._judged
         scale = self.samples / np.maximum(self.expected, 1e-9)
-        inverse = 1.0 / np.maximum(self.expected, 1.0) + SHARE_ERROR**2
-        variance = inverse + 0.25 * (np.roll(inverse, 1) + np.roll(inverse, -1))
+        variance = self._counted + 1.5 * SHARE_ERROR**2
         return _contrast(share * scale)[judged], variance[judged]
+
+    @cached_property
+    def _counted(self) -> Floats:
+        """Variance of the codes' contrasts, relative, that counting gives, (n_codes,)."""
+        inverse = 1.0 / np.maximum(self.expected, 1.0)
+        return np.asarray(inverse + 0.25 * (np.roll(inverse, 1) + np.roll(inverse, -1)))
 
 
 def fine_blocks(baseline: Baseline) -> NDArray[np.bool_]:
