@@ -10,12 +10,12 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
 from calib.diagnosis.naming.courses import freed, with_courses
+from calib.diagnosis.naming.derivatives import differentiated, is_near
 from calib.diagnosis.naming.model import Member, Model, foreseen
 from calib.diagnosis.naming.rebase import rebased
 from calib.diagnosis.naming.settled import Turn, most_settled, stalled
-from calib.diagnosis.naming.signatures import change_of, is_of_events
+from calib.diagnosis.naming.signatures import change_of
 from calib.diagnosis.simulation.response import Responder
-from calib.diagnosis.statistics.change import Change
 
 Floats = NDArray[np.float64]
 
@@ -25,8 +25,6 @@ LEAST_STEP = 0.05
 """In standard deviations: smaller steps end the fit."""
 DETERMINED = 3.0
 """A parameter joins the fit where its logarithm is determined to one over this."""
-RELATIVE_STEP = 0.1
-"""Of a derivative."""
 FARTHEST = 0.7
 """By so much a logarithm may move at a time."""
 
@@ -43,12 +41,14 @@ def refitted(model: Model, evidence: Evidence, responder: Responder) -> Model:
 def _fitted(model: Model, evidence: Evidence, responder: Responder) -> tuple[Model, bool]:
     """Return the best of some steps, and whether more of them would be of no use."""
     members, baseline, tried = model.members, model.baseline, list[Turn]()
+    derived: tuple[Member, ...] = ()
     for turn in range(STEPS):
         about = responder.about(baseline)
         plain = change_of(tuple(m.effect for m in members), evidence, about)
-        members = tuple(
-            _differentiated(k, members, plain, evidence, about) for k in range(len(members))
-        )
+        if not is_near(members, derived):
+            derived = members = tuple(
+                differentiated(k, members, plain, evidence, about) for k in range(len(members))
+            )
         members = with_courses(members, model.first - evidence.point(plain), evidence)
         change = plain + freed(members, plain)
         residual = model.first - evidence.point(change)
@@ -114,7 +114,7 @@ def _prepared(model: Model, evidence: Evidence, responder: Responder) -> Model:
             value = float(getattr(member.effect, name))
             trial = replace(member, inner={**inner, name: value})
             moved = [*members[:k], trial, *members[k + 1 :]]
-            direction = _differentiated(k, moved, plain, evidence, about).directions[-1]
+            direction = differentiated(k, moved, plain, evidence, about).directions[-1]
             rest = without(direction, basis, evidence)
             if evidence.product(rest, rest) > DETERMINED**2:
                 inner[name] = value
@@ -158,54 +158,3 @@ def _moved(member: Member, step: float) -> float:
     if member.signature.shape.two_sided:
         return strength
     return min(max(strength, 0.25 * member.strength), 10.0 * member.strength)
-
-
-def by_events(member: Member) -> bool:
-    """Return whether single events make the effect: a little more of it adds none to a few lines.
-
-    It is compared with none of it then, not with a little more.
-    """
-    shape = member.signature.shape
-    return member.effect.stochastic and not shape.two_sided and member.strength > 0
-
-
-def _differentiated(
-    k: int,
-    members: Sequence[Member],
-    change: Change | None,
-    evidence: Evidence,
-    responder: Responder,
-) -> Member:
-    """Return member `k` with derivatives by its strength and by its inner logarithms."""
-    member = members[k]
-    assert change is not None  # noqa: S101 - members change something
-    size = RELATIVE_STEP * (abs(member.strength) or member.signature.strength)
-    trials = [(replace(member, strength=member.strength + size), size)]
-    found = []
-    if member.signature.shape.fixed:
-        trials, found = [], [_alone(k, members, change, evidence, responder)]
-    elif by_events(member):
-        alone = _alone(k, members, change, evidence, responder)
-        linear = is_of_events(member.signature.shape, responder)
-        power = 1.0 if linear else member.signature.power
-        trials, found = [], [alone * (power / member.strength)]
-    for name, value in member.inner.items():
-        inner = {**member.inner, name: value * float(np.exp(RELATIVE_STEP))}
-        trials.append((replace(member, inner=inner), RELATIVE_STEP))
-    for trial, step in trials:
-        effects = tuple(trial.effect if j == k else m.effect for j, m in enumerate(members))
-        found.append((change_of(effects, evidence, responder) - change) * (1.0 / step))
-    points = tuple(evidence.derivative(each, change) for each in found)
-    return replace(member, changes=tuple(found), directions=points)
-
-
-def _alone(
-    k: int,
-    members: Sequence[Member],
-    change: Change,
-    evidence: Evidence,
-    responder: Responder,
-) -> Change:
-    """Return what member `k` adds to the change that the others make without it."""
-    others = tuple(m.effect for j, m in enumerate(members) if j != k)
-    return change - change_of(others, evidence, responder) if others else change

@@ -1,0 +1,77 @@
+"""Derivatives of the statistics by what the data determine of the effects that were found."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.model import Member
+from calib.diagnosis.naming.signatures import change_of, is_of_events
+from calib.diagnosis.simulation.response import Responder
+from calib.diagnosis.statistics.change import Change
+
+RELATIVE_STEP = 0.1
+"""Of a derivative."""
+NEAR = 0.1
+"""Relative to itself a parameter may move by so much before derivatives are taken anew."""
+
+
+def is_near(members: Sequence[Member], derived: Sequence[Member]) -> bool:
+    """Return whether the members are still what their derivatives were taken of."""
+    return bool(derived) and all(
+        abs(now.strength - then.strength) <= NEAR * abs(then.strength)
+        and all(abs(np.log(now.inner[name] / value)) <= NEAR for name, value in then.inner.items())
+        for now, then in zip(members, derived, strict=True)
+    )
+
+
+def by_events(member: Member) -> bool:
+    """Return whether single events make the effect: a little more of it adds none to a few lines.
+
+    It is compared with none of it then, not with a little more.
+    """
+    shape = member.signature.shape
+    return member.effect.stochastic and not shape.two_sided and member.strength > 0
+
+
+def differentiated(
+    k: int,
+    members: Sequence[Member],
+    change: Change | None,
+    evidence: Evidence,
+    responder: Responder,
+) -> Member:
+    """Return member `k` with derivatives by its strength and by its inner logarithms."""
+    member = members[k]
+    assert change is not None  # noqa: S101 - members change something
+    size = RELATIVE_STEP * (abs(member.strength) or member.signature.strength)
+    trials = [(replace(member, strength=member.strength + size), size)]
+    found = []
+    if member.signature.shape.fixed:
+        trials, found = [], [_alone(k, members, change, evidence, responder)]
+    elif by_events(member):
+        alone = _alone(k, members, change, evidence, responder)
+        linear = is_of_events(member.signature.shape, responder)
+        power = 1.0 if linear else member.signature.power
+        trials, found = [], [alone * (power / member.strength)]
+    for name, value in member.inner.items():
+        inner = {**member.inner, name: value * float(np.exp(RELATIVE_STEP))}
+        trials.append((replace(member, inner=inner), RELATIVE_STEP))
+    for trial, step in trials:
+        effects = tuple(trial.effect if j == k else m.effect for j, m in enumerate(members))
+        found.append((change_of(effects, evidence, responder) - change) * (1.0 / step))
+    points = tuple(evidence.derivative(each, change) for each in found)
+    return replace(member, changes=tuple(found), directions=points)
+
+
+def _alone(
+    k: int,
+    members: Sequence[Member],
+    change: Change,
+    evidence: Evidence,
+    responder: Responder,
+) -> Change:
+    """Return what member `k` adds to the change that the others make without it."""
+    others = tuple(m.effect for j, m in enumerate(members) if j != k)
+    return change - change_of(others, evidence, responder) if others else change
