@@ -1,21 +1,31 @@
 """Derivatives hold as long as nothing has moved far from where they were taken."""
 
 from dataclasses import replace
+from typing import cast
+
+import pytest
 
 from calib.diagnosis.naming.derivatives import NEAR, is_near
-from calib.forward.effects.lag import Lag
-from tests.calib.diagnosis.examinations import examined
+from calib.diagnosis.naming.model import Member
+from calib.diagnosis.naming.signatures import Signature
+
+MEMBER = Member(cast("Signature", None), -3.0, {"some_s": 2.0}, (), (), ())
 
 
-def test_derivatives_are_taken_anew_once_a_strength_or_another_parameter_has_moved_far() -> None:
-    (member,) = examined((Lag(0.01),)).model.members
-    member = replace(member, inner={"some_s": 2.0})
-    moved = {
-        share: replace(member, strength=member.strength * (1.0 + share * NEAR))
-        for share in (0.9, -0.9, 1.1, -1.1)
-    }
-    near = [share for share, one in moved.items() if is_near((one,), (member,))]
-    assert near == [0.9, -0.9]
-    for some_s, holds in ((2.0, True), (2.15, True), (2.3, False), (1.7, False)):
-        assert is_near((replace(member, inner={"some_s": some_s}),), (member,)) is holds
-    assert not is_near((member,), ())
+@pytest.mark.parametrize(
+    ("share", "holds"), [(0.0, True), (0.9, True), (-0.9, True), (1.1, False), (-1.1, False)]
+)
+def test_a_strength_may_move_by_a_share_of_itself(share: float, holds: bool) -> None:
+    moved = replace(MEMBER, strength=MEMBER.strength * (1.0 + share * NEAR))
+    assert is_near((moved, MEMBER), (MEMBER, MEMBER)) is holds
+
+
+@pytest.mark.parametrize(
+    ("some_s", "holds"), [(2.0, True), (2.15, True), (2.3, False), (1.7, False)]
+)
+def test_so_may_what_else_is_fitted(some_s: float, holds: bool) -> None:
+    assert is_near((replace(MEMBER, inner={"some_s": some_s}),), (MEMBER,)) is holds
+
+
+def test_nothing_is_near_before_any_derivative_was_taken() -> None:
+    assert not is_near((MEMBER,), ())
