@@ -9,6 +9,7 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.model import Member
 from calib.diagnosis.naming.signatures import change_of, is_of_events
 from calib.diagnosis.simulation.response import Responder
+from calib.diagnosis.simulation.sampled_lines import is_tone
 from calib.diagnosis.statistics.change import Change
 
 RELATIVE_STEP = 0.1
@@ -61,6 +62,9 @@ def differentiated(
     for trial, step in trials:
         effects = tuple(trial.effect if j == k else m.effect for j, m in enumerate(members))
         found.append((change_of(effects, evidence, responder) - change) * (1.0 / step))
+    if not is_tone(member.effect):
+        # A peak was chosen for its height: what it tells of slow courses is too much of them.
+        found = [replace(each, tones=np.zeros_like(each.tones)) for each in found]
     points = tuple(evidence.derivative(each, change) for each in found)
     return replace(member, changes=tuple(found), directions=points)
 

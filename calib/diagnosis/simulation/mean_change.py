@@ -11,6 +11,7 @@ from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.gather import CUT_SIGMA
 from calib.diagnosis.statistics.pooled import ONSET_LINES, places, pooled
 from calib.diagnosis.statistics.rare import FAR_SIGMA, OFTEN, RARE, rare_trials
+from calib.diagnosis.statistics.tones import Peak
 from calib.kernels.residual_products import LINE_LAGS, ResidualProducts, tap_sizes
 from calib.kernels.scatter_products import scatter_products
 
@@ -26,6 +27,20 @@ def mean_change(sampled: Sequence[SampledLines]) -> tuple[Floats, Floats]:
     for b, each in enumerate(sampled):
         onset[b, : len(each.first)] = each.first @ each.change.mean(axis=1)
     return np.stack([each.weights @ each.change for each in sampled]), onset
+
+
+def peak_change(sampled: Sequence[SampledLines], variance: Floats, peaks: Sequence[Peak]) -> Floats:
+    """Return squared amplitudes that slow changes have at the peaks, DN^2, (n_blocks, n_peaks).
+
+    A block that begins otherwise than it ends has power at all low frequencies.
+    """
+    found = np.zeros((len(sampled), len(peaks)))
+    for b, each in enumerate(sampled):
+        if _is_steady(each, np.sqrt(variance[b])):
+            continue
+        moved = each.change - each.weights @ each.change
+        found[b] = [peak.squared_amplitude(moved, each.between) for peak in peaks]
+    return found
 
 
 def scatter_change(

@@ -14,7 +14,7 @@ from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.diagnosis.simulation.coded_means import moved_by_codes
 from calib.diagnosis.simulation.drawn_lines import Drawn, drawn_of
 from calib.diagnosis.simulation.known_changes import KnownChanges
-from calib.diagnosis.simulation.mean_change import mean_change, scatter_change
+from calib.diagnosis.simulation.mean_change import mean_change, peak_change, scatter_change
 from calib.diagnosis.simulation.opposite_tone import opposite_tone
 from calib.diagnosis.simulation.sampled_lines import is_tone, sampled_lines
 from calib.diagnosis.simulation.short_blocks import as_of_long_blocks
@@ -106,9 +106,11 @@ class Responder:
         moved = moved - plain.pooled(variance, sensor, counts)
         moved = as_of_long_blocks(moved, self.n_lines, table.n_lines, sensor, counts)
         rare = _mean([d.rare(sensor) for d in drawn]) - plain.rare(sensor)
+        at_peaks = tones.at_peaks(self.peaks, len(table.blocks))
         if sampled and not any(map(self.chain.has_events, effects)):
             scatter, counted = scatter_change(sampled, variance, sensor, counts)
             moved, rare = moved + scatter, rare + counted
+            at_peaks = at_peaks + peak_change(sampled, variance, self.peaks)
         of_tones = None if coded else tones.scatter(variance, sensor, counts)
         if of_tones is not None:
             moved, rare = moved + of_tones[0], rare + of_tones[1]
@@ -125,7 +127,7 @@ class Responder:
                 (weight + 1) * self._fine,
                 coded=any(map(_is_in_histogram, effects)),
             ),
-            tones.at_peaks(self.peaks, len(table.blocks)),
+            at_peaks,
             np.zeros(len(ratio)),
         )
 

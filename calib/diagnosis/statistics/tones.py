@@ -47,15 +47,19 @@ class Peak:
     std_dn2: tuple[float, ...]
     deviance: float
 
-    def squared_amplitude(self, lines: Floats) -> float:
-        """Return the squared amplitude here of lines, (n_lines, n_pixels), of mean 0."""
-        n, n_pixels = lines.shape
+    def squared_amplitude(self, lines: Floats, between: Floats | None = None) -> float:
+        """Return the squared amplitude at this frequency of lines, (n_lines, n_pixels), of mean 0.
+
+        With `between`, (n_lines, k), they are sums of k lines that are given, of these weights.
+        """
+        n, n_pixels = len(lines if between is None else between), lines.shape[1]
         turns = self.cycles_along + self.cycles_per_line if self.cycles_along else 0.0
         along = np.exp(-2j * np.pi * turns * np.arange(n_pixels) / n_pixels)
         down = np.exp(-2j * np.pi * self.cycles_per_line * np.arange(n))
         # What all pixels of a line have in common has a column of the spectrum of its own.
         own = lines - lines.mean(axis=1, keepdims=True) if self.cycles_along else lines
-        power = abs(down @ (own @ along)) ** 2
+        shares = down if between is None else down @ between
+        power = abs(shares @ (own @ along)) ** 2
         return float(power * (2.0 / (n * n_pixels)) ** 2)
 
     def frequencies_hz(self, line_period_s: float) -> tuple[float, ...]:
