@@ -17,7 +17,13 @@ EDGES = (0.005, 0.995)
 
 
 def reproduced(
-    one: Change, other: Change, evidence: Evidence, moved_dn: Floats, *, exact: bool
+    one: Change,
+    other: Change,
+    evidence: Evidence,
+    moved_dn: Floats,
+    sure_dn: Floats,
+    *,
+    exact: bool,
 ) -> Change:
     """Return the mean of two draws, each part of it shrunk by how badly the other repeats it.
 
@@ -25,17 +31,18 @@ def reproduced(
         one: A draw.
         other: Another.
         evidence: The recording.
-        moved_dn: What the links' own means have moved by, (n_blocks, n_pixels): no chance has a
-            part in it, and pixels absorb it, each as it is.
+        moved_dn: What the links' own means have moved by, (n_blocks, n_pixels).
+        sure_dn: The same with what effects without a pattern of chance do beside it: chance has no
+            part in either, and each pixel keeps its own.
         exact: Whether means are alike in both.
     """
     half = (one + other) * 0.5
     first = (evidence.baseline.mean_dn - evidence.baseline.offset_dn).reshape(one.means.shape)
     means = one.means
     if not exact:
-        added = (_of_quiet(each, evidence, moved_dn) for each in (one, other))
+        added = (_of_quiet(each, evidence, sure_dn) for each in (one, other))
         signal = first + moved_dn
-        means = moved_dn + _shrunk(*(_along_profile(each, signal) for each in added))
+        means = sure_dn + _shrunk(*(_along_profile(each, signal) for each in added))
     white = [evidence.pooled.over_std(c.pooled) for c in (one, other)]
     pooled = half.pooled.copy()
     for where in evidence.pooled.places.values():
@@ -47,12 +54,12 @@ def reproduced(
     )  # fmt: skip
 
 
-def _of_quiet(change: Change, evidence: Evidence, moved_dn: Floats) -> Floats:
+def _of_quiet(change: Change, evidence: Evidence, sure_dn: Floats) -> Floats:
     """Return what is added to the means, but of pixels that would be left out for their noise."""
     z = change.pixel_variance * np.sqrt((evidence.n - 1).sum() / 2.0)
     misfit = evidence.misfit(change.means, observed=False)
     noisy = few(np.flatnonzero((z > NOISY_SIGMA) | (misfit > NOISY_SIGMA)), len(z))
-    means = change.means - moved_dn
+    means = change.means - sure_dn
     means[:, noisy] = 0.0
     return means
 

@@ -193,12 +193,21 @@ def _simulated(
     if not once and any(needs_two_draws(effect, responder) for effect in effects):
         exact = not any(e.stochastic or _other_pattern(e) != e for e in effects)
         second, moved = responder.change(others, draw=1), responder.moved_dn
-        first = reproduced(first, second, evidence, moved, exact=exact)
+        sure = _without_chance(effects, evidence, responder)
+        first = reproduced(first, second, evidence, moved, sure, exact=exact)
         if others == effects and not coded:
             # Events of single lines are no property of a pixel, however few lines are drawn.
             nothing = np.zeros_like(first.pixel_misfit)
             first = replace(first, pixel_misfit=nothing, pixel_variance=nothing)
     return replace(first, monitor=light_change(effects, evidence.table))
+
+
+def _without_chance(
+    effects: tuple[Departure, ...], evidence: Evidence, responder: Responder
+) -> Floats:
+    """Return what links that moved, and effects in which chance has no part, do to the means."""
+    sure = tuple(effect for effect in effects if not needs_two_draws(effect, responder))
+    return change_of(sure, evidence, responder).means if sure else responder.moved_dn
 
 
 def _with_misfit(change: Change, evidence: Evidence) -> Change:

@@ -10,6 +10,7 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.reproduced import PIECES, reproduced
 from calib.diagnosis.naming.signatures import change_of
 from calib.forward.effects.saturation_knee import SaturationKnee
+from calib.forward.effects.tap_gain_drift import TapGainDrift
 from calib.recording.header import Block
 from tests.calib.diagnosis.recordings import plain_model, recorded
 
@@ -17,7 +18,7 @@ COLUMNS, LINES = 512, 40
 KNEE = SaturationKnee(threshold_e=20_000.0, room_e=60_000.0, relative_spread=1e-6)
 
 
-def with_scene() -> Evidence:
+def with_scene(taps: int = 1) -> Evidence:
     """Return flats and a scene of all lights up to theirs, neighbours unlike each other."""
     rows = [("dark", 300.0, 0.0), ("flat", 1000.0, 2.0), ("flat", 500.0, 2.0)]
     rows += [("flat", 1000.0, 1.0), ("scene", 1000.0, 0.0)]
@@ -29,7 +30,8 @@ def with_scene() -> Evidence:
         for k, (kind, exposure, level) in enumerate(rows)
     ]  # fmt: skip
     image = np.linspace(0.2, 2.2, COLUMNS)[default_rng().permutation(COLUMNS)]
-    return recorded(plain_model(COLUMNS), blocks, default_rng(), scenes={"target": image})
+    model = plain_model(COLUMNS, taps=taps, layout="single" if taps == 1 else "odd_even")
+    return recorded(model, blocks, default_rng(), scenes={"target": image})
 
 
 def test_a_bend_that_sets_in_within_a_scene_is_kept() -> None:
@@ -50,10 +52,30 @@ def test_a_bend_that_sets_in_within_a_scene_is_kept() -> None:
     assert np.ptp((exact - moved.slope.ravel() * moved.dose.reshape(exact.shape))[4]) > 100 * most
 
 
+def test_what_no_chance_has_a_part_in_is_kept_beside_a_pattern_of_chance() -> None:
+    evidence = with_scene(taps=2)
+    first = evidence.baseline
+    # Of both taps, so that a knee sets in at one signal.
+    gain = np.full_like(first.gain_dn_per_e, first.gain_dn_per_e.mean())
+    responder = responder_of(evidence).about(replace(first, gain_dn_per_e=gain))
+    drift = TapGainDrift((0.02, -0.02), time_constant_s=1.0)
+    bent = responder.change((replace(KNEE, relative_spread=0.0),)).means
+    exact = responder.change((replace(KNEE, relative_spread=0.0), drift)).means
+    kept = change_of((KNEE, drift), evidence, responder).means
+    piece = float((first.slope * first.dose).max()) / PIECES
+    chord = 4.0 * piece**2 / (8.0 * float(gain[0]) * KNEE.room_e)
+    # The taps' gains scale what the knee takes, too, and pixels of one signal get the mean of both:
+    # least squares of norm 3 of what differs by 2 % from tap to tap.
+    most = 1.02 * chord + 4.0 * 0.02 * np.abs(bent).max()
+    assert np.abs(exact - kept).max() < most
+    # As much as is left where a profile is drawn through both taps.
+    assert 0.02 * float((first.slope * first.dose).max()) > 2.0 * most
+
+
 def test_links_that_a_fit_has_led_below_the_dark_have_a_profile_still() -> None:
     evidence = with_scene()
     base = evidence.baseline
     below = -2.0 * (base.mean_dn - base.offset_dn).reshape(len(base.mean_dn), -1) - 50.0
     change = change_of((KNEE,), evidence, responder_of(evidence))
-    means = reproduced(change, change, evidence, below, exact=False).means
+    means = reproduced(change, change, evidence, below, below, exact=False).means
     assert np.isfinite(means).all()
