@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
-from calib.diagnosis.naming.laws import Laws, laws
+from calib.diagnosis.naming.laws import Laws, laws, leaves_parameters
 from calib.diagnosis.naming.model import Member
 from calib.diagnosis.naming.signatures import Signature
 from calib.diagnosis.statistics.change import Change
@@ -33,8 +33,9 @@ def course(
 ) -> tuple[tuple[Change, Point], ...]:
     """Return changes, and their points, that free an effect's law.
 
-    They are orthogonal to the signature itself, whose strength stays what it is, and are those that
-    explain most of `residual`.
+    They are those that explain most of `residual`, and orthogonal to the signature itself, whose
+    strength stays what it is; not so where parameters keep their meaning, of which each is that of
+    what the law leaves to it: of covariances, not of profiles that go their own way.
 
     Args:
         signature: Of the shape that fits best.
@@ -53,13 +54,14 @@ def course(
         _gram(rests, evidence),
         np.array([evidence.product(each, residual) for each in rests]),
     )
-    found = [own]
+    first = [] if leaves_parameters(signature) else [own]
+    found = list(first)
     for much in taken:
         change, point = signature.change * 0.0, signature.point * 0.0
         for share, part, direction in zip(much, open_to.parts, points, strict=True):
             change, point = change + part * float(share), point + direction * float(share)
         found += _rest(change, point, found, evidence)
-    return tuple(found[1:])
+    return tuple(found[len(first) :])
 
 
 def _gram(points: Sequence[Point], evidence: Evidence) -> Floats:

@@ -44,6 +44,15 @@ def open_variable(signature: Signature) -> Variable | None:
     return effect.any_law or effect.smooth_law
 
 
+def leaves_parameters(signature: Signature) -> bool:
+    """Return whether parameters of the shape mean something still where its law is free.
+
+    A course takes the place of its time constant. What neighbours farther apart share, or by how
+    much profiles go beside noise, tells nothing of how rows couple and how columns do.
+    """
+    return open_variable(signature) == "column"
+
+
 @dataclass(frozen=True)
 class Laws:
     """The functions by which an effect may differ from its shape.
@@ -145,12 +154,10 @@ def _bent(like: Change, evidence: Evidence, added: Floats, slope: Floats) -> Cha
 
 
 def _farther(like: Change, evidence: Evidence) -> Iterator[Change]:
-    """Yield what pixels two apart share, and those of other rows, as nearest neighbours do."""
-    nearest = like.pooled[:, evidence.pooled.places["columns_1"]]
-    for kind in ("columns_2", "rows"):
-        pooled = np.zeros_like(like.pooled)
-        pooled[:, evidence.pooled.places[kind]] = nearest
-        yield replace(like * 0.0, pooled=pooled)
+    """Yield what columns two apart share as nearest ones do; for rows effects have parameters."""
+    pooled, places = np.zeros_like(like.pooled), evidence.pooled.places
+    pooled[:, places["columns_2"]] = like.pooled[:, places["columns_1"]]
+    yield replace(like * 0.0, pooled=pooled)
 
 
 def _later(like: Change, evidence: Evidence) -> Iterator[Change]:

@@ -11,6 +11,7 @@ from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
 from calib.diagnosis.naming.courses import freed, with_courses
 from calib.diagnosis.naming.derivatives import differentiated, is_near
+from calib.diagnosis.naming.laws import leaves_parameters
 from calib.diagnosis.naming.model import Member, Model, foreseen
 from calib.diagnosis.naming.rebase import rebased
 from calib.diagnosis.naming.settled import Turn, most_settled, stalled
@@ -87,9 +88,10 @@ def misfit(model: Model, evidence: Evidence) -> float:
 def _solved(
     members: Sequence[Member], residual: Point, evidence: Evidence
 ) -> tuple[Floats, Floats]:
-    """Return the steps of all parameters, and their standard uncertainties."""
+    """Return the steps of all parameters, and their standard uncertainties, laws left free."""
     moving = _moving(members)
-    directions = [d for m in members for d in m.directions]
+    free = orthonormal([point for m in members for _, point in m.course], evidence)
+    directions = [without(d, free, evidence) for m in members for d in m.directions]
     gram = np.array([[evidence.product(a, b) for b in directions] for a in directions])
     along = np.array([evidence.product(d, residual) for d in directions])
     gram[~moving] = gram[:, ~moving] = 0.0
@@ -105,10 +107,11 @@ def _prepared(model: Model, evidence: Evidence, responder: Responder) -> Model:
     members, about = list(model.members), responder.about(model.baseline)
     plain = model.change - freed(members, model.change) if model.change is not None else None
     for k, member in enumerate(members):
-        if member.inner or member.course:
+        if member.inner or (member.course and not leaves_parameters(member.signature)):
             continue
         scaled = [d for m in members if not m.signature.shape.fixed for d in m.directions]
-        basis = orthonormal(scaled, evidence)
+        laws = [point for m in members for _, point in m.course]
+        basis = orthonormal([*scaled, *laws], evidence)
         inner: dict[str, float] = {}
         for name in member.signature.shape.inner:
             value = float(getattr(member.effect, name))
