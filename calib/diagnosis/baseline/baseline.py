@@ -17,6 +17,8 @@ Flags = NDArray[np.bool_]
 CLEAR_SIGMA = 4.5
 """A pixel's mean stands so many standard deviations away from the ends of the codes, or more."""
 ROUNDS = 3
+MOSTLY_QUIET = 0.5
+"""Pixels with samples far out are left out of the noise, unless they are more than this share."""
 PILED = 1.2
 """A lowest code that is so much commoner than the next ones is a stop, no tail."""
 
@@ -146,10 +148,14 @@ def fit_noise(
         size = of_tap.sum() / of_tap.any(axis=1).sum()
         rows = []
         for b, each in enumerate(sums):
-            use = usable[b] & of_tap & (each.products.outliers == 0)
+            use = usable[b] & of_tap
+            quiet = use & (each.products.outliers == 0)
+            # Where samples of most pixels jump, those that are left tell the noise.
+            use = quiet if quiet.sum() > MOSTLY_QUIET * use.sum() else use
             if not use.any() or each.n_lines < 2:
                 continue
-            scale = (each.n_lines - 1) * (1.0 - 1.0 / size)
+            kept = each.n_lines - 1 - each.products.outliers[use].mean()
+            scale = kept * (1.0 - 1.0 / size)
             measured = unrounded(each.products.squares[use].mean() / scale)
             std = np.sqrt(2.0 / (scale * use.sum())) * variance[b][use].mean()
             rows.append((signal[b][use].mean(), measured, std))

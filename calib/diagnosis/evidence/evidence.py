@@ -24,9 +24,10 @@ from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.common_noise import CommonNoise
-from calib.diagnosis.statistics.counts import Counts
+from calib.diagnosis.statistics.counts import Counts, grouped
 from calib.diagnosis.statistics.few_samples import excess_as_normal
 from calib.diagnosis.statistics.pooled import ONSET_LINES
+from calib.diagnosis.statistics.recorded_scatter import wider
 from calib.diagnosis.statistics.tones import Peak, find_peaks
 from calib.rounding import mean_square_bias
 
@@ -81,7 +82,7 @@ class Evidence:
     @cached_property
     def space(self) -> MeanSpace:
         """The space of the means."""
-        variance = self.baseline.variance_dn2.reshape(self.n_blocks, -1).copy()
+        variance = self._recorded_variance.copy()
         noisy = set(self.sensor.noisy)
         if self.growing is not None:
             variance[:, self.growing.pixels] = self.growing.variance_dn2
@@ -101,6 +102,18 @@ class Evidence:
         )
         block = np.tile(np.arange(self.n_blocks), 2)
         return mean_space(weight, regressors(self.table, signal.shape), modes, block, strength)
+
+    @property
+    def _recorded_variance(self) -> Floats:
+        """Of each pixel's samples, (n_blocks, n_pixels): the baseline's, or clearly more."""
+        group = np.minimum(self.sensor.group, self.sensor.n_groups - 1)
+        some = np.maximum(self.counts.pixels, 1.0)
+        variance = self.baseline.variance_dn2
+        factors = [
+            wider(each, grouped(v, self.sensor) / some, self.sensor, self.counts)[group]
+            for each, v in zip(self.sums, variance, strict=True)
+        ]
+        return np.asarray((variance * np.stack(factors)).reshape(self.n_blocks, -1))
 
     @cached_property
     def pooled(self) -> PooledSpace:

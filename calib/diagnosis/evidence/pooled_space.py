@@ -19,6 +19,7 @@ from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.expected import expected
 from calib.diagnosis.statistics.gather import CUT_SIGMA
 from calib.diagnosis.statistics.pooled import Pooled, places, pooled
+from calib.diagnosis.statistics.recorded_scatter import as_recorded
 
 Floats = NDArray[np.float64]
 
@@ -73,8 +74,8 @@ class PooledSpace:
             return self.of_all.expected
         pairs = []
         gain = self.baseline.gain_dn_per_e[self.sensor.tap]
-        for n, signal, variance in zip(
-            self.n, self._signal_dn, self.baseline.variance_dn2, strict=True
+        for each, n, signal, variance in zip(
+            self.sums, self.n, self._signal_dn, self.baseline.variance_dn2, strict=True
         ):
             pair = expected(variance, gain**3 * signal, int(n), self.sensor, self.counts)
             raised = self._shared_noise(float(signal.mean()), pair[0].of["common"]).growth()
@@ -82,7 +83,9 @@ class PooledSpace:
             pair[1].of["common"] *= raised[:n_taps]
             for kind, factor in zip(SHARED_KINDS[1:], raised[n_taps:], strict=True):
                 pair[1].of[kind] *= factor
-            pairs.append(pair)
+            level = pair[0].of["variance"]
+            std = as_recorded(each, level, pair[1], self.sensor, self.counts)
+            pairs.append((pair[0], std))
         return tuple(pairs)
 
     @cached_property

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.statistics.noisy import MOST_NOISY
+
 Floats = NDArray[np.float64]
 Whole = NDArray[np.intp]
 
@@ -117,7 +119,9 @@ def rare_trials(n_lines: float, n_pixels: int) -> Floats:
 def _often(outliers: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Return which pixels, (n_pixels,), have more outliers than any would by chance of all."""
     typical = float(np.minimum(outliers, np.median(outliers) + OFTEN).mean())
-    return np.asarray(outliers >= OFTEN + typical + 6.0 * np.sqrt(typical))
+    often = outliers >= OFTEN + typical + 6.0 * np.sqrt(typical)
+    # Where samples of many pixels stand out, as those with a bit set that sticks, all are counted.
+    return np.asarray(often & (often.mean() <= MOST_NOISY))
 
 
 def _flipped(off_dn: Floats, sigma: Floats) -> tuple[Whole, NDArray[np.bool_]]:
