@@ -57,21 +57,11 @@ class CodeCounts:
         observed = np.sum(histograms, axis=0).astype(np.float64)
         if not fine.any():
             observed[0] = 1.0
-        expected = np.zeros(len(observed))
+        expected, hidden = np.zeros(len(observed)), own_means_hidden(baseline)
         for b in np.flatnonzero(fine).tolist():
             each = sums[b]
-            # Where codes stop, means are not those of the light: what other blocks say holds.
-            stopped = baseline.usable[b].mean() < MOSTLY
-            mean = (baseline.mean_dn[b] if stopped else each.mean_dn).ravel()
-            step = max(1, len(mean) // MOST_PIXELS)
-            # Rounding is in the variance that was fitted, and done once more here.
-            variance = np.maximum(baseline.variance_dn2[b].ravel() - 1.0 / 12.0, 0.01)
-            # Samples scatter less about their own mean than about the true one.
-            variance *= 1.0 - 1.0 / each.n_lines
-            share = len(mean) / len(mean[::step])
-            expected += expected_histogram(
-                mean[::step], np.sqrt(variance[::step]), each.n_lines * share, len(observed)
-            )
+            mean = baseline.mean_dn[b] if hidden[b] else each.mean_dn
+            expected += about_means(mean, baseline.variance_dn2[b], each.n_lines, len(observed))
         return cls(observed, expected)
 
     @property
@@ -197,6 +187,35 @@ class CodeCounts:
         """Variance of the codes' contrasts, relative, that counting gives, (n_codes,)."""
         inverse = 1.0 / np.maximum(self.expected, 1.0)
         return np.asarray(inverse + 0.25 * (np.roll(inverse, 1) + np.roll(inverse, -1)))
+
+
+def about_means(
+    mean: Floats, variance: Floats, n_lines: float, n_codes: int, most: int = MOST_PIXELS
+) -> Floats:
+    """Return the samples by code of a block of Gaussian noise about its pixels' means, (n_codes,).
+
+    Args:
+        mean: Of each pixel, DN, (n_rows, n_columns).
+        variance: Of its samples with rounding, DN^2, likewise.
+        n_lines: Lines of the block.
+        n_codes: Codes run 0 .. n_codes - 1.
+        most: So many pixels are looked at.
+    """
+    # An odd step meets all taps.
+    step = mean.size // most // 2 * 2 + 1
+    some = mean.ravel()[::step]
+    # Rounding is in the variance that was fitted, and done once more here. Samples scatter less
+    # about their own mean than about the true one.
+    before = np.maximum(variance.ravel()[::step] - 1.0 / 12.0, 0.01) * (1.0 - 1.0 / n_lines)
+    return expected_histogram(some, np.sqrt(before), n_lines * mean.size / len(some), n_codes)
+
+
+def own_means_hidden(baseline: Baseline) -> NDArray[np.bool_]:
+    """Return the blocks, (n_blocks,), whose codes stop: their means are not those of the light.
+
+    What other blocks say holds there.
+    """
+    return np.asarray(baseline.usable.mean(axis=(1, 2)) < MOSTLY)
 
 
 def fine_blocks(baseline: Baseline) -> NDArray[np.bool_]:

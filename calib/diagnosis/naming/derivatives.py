@@ -1,4 +1,4 @@
-"""Derivatives of the statistics by what the data determine of the effects that were found."""
+"""What a little more of one effect changes beside the others, by differences."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,6 +11,7 @@ from calib.diagnosis.naming.signatures import change_of, is_of_events
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.sampled_lines import is_tone
 from calib.diagnosis.statistics.change import Change
+from calib.forward.code_fault import CodeFault
 
 RELATIVE_STEP = 0.1
 """Of a derivative."""
@@ -33,6 +34,8 @@ def by_events(member: Member) -> bool:
     It is compared with none of it then, not with a little more.
     """
     shape = member.signature.shape
+    if isinstance(member.effect, CodeFault):
+        return False
     return member.effect.stochastic and not shape.two_sided and member.strength > 0
 
 
@@ -46,6 +49,9 @@ def differentiated(
     """Return member `k` with derivatives by its strength and by its inner logarithms."""
     member = members[k]
     assert change is not None  # noqa: S101 - members change something
+    about = change
+    if not isinstance(member.effect, CodeFault):
+        k, members, change = _before_codes(k, members, change, evidence, responder)
     size = RELATIVE_STEP * (abs(member.strength) or member.signature.strength)
     trials = [(replace(member, strength=member.strength + size), size)]
     found = []
@@ -65,8 +71,27 @@ def differentiated(
     if not is_tone(member.effect):
         # A peak was chosen for its height: what it tells of slow courses is too much of them.
         found = [replace(each, tones=np.zeros_like(each.tones)) for each in found]
-    points = tuple(evidence.derivative(each, change) for each in found)
+    points = tuple(evidence.derivative(each, about) for each in found)
     return replace(member, changes=tuple(found), directions=points)
+
+
+def _before_codes(
+    k: int,
+    members: Sequence[Member],
+    change: Change,
+    evidence: Evidence,
+    responder: Responder,
+) -> tuple[int, Sequence[Member], Change]:
+    """Return member `k` among those that are no faults of codes, and what these change.
+
+    What a fault makes of a small step of another effect is small of second order, and takes long.
+    """
+    kept = [j for j, m in enumerate(members) if j == k or not isinstance(m.effect, CodeFault)]
+    if len(kept) == len(members):
+        return k, members, change
+    others = [members[j] for j in kept]
+    change = change_of(tuple(m.effect for m in others), evidence, responder)
+    return kept.index(k), others, change
 
 
 def _alone(

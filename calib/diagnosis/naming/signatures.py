@@ -11,10 +11,12 @@ from calib.diagnosis.naming.reproduced import reproduced
 from calib.diagnosis.naming.shapes import Shape
 from calib.diagnosis.recorded.monitor import light_change
 from calib.diagnosis.simulation.events import change_of_events, density_of
+from calib.diagnosis.simulation.fault_change import change_of_faults, no_change
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.sampled_lines import is_tone
 from calib.diagnosis.simulation.with_values import with_values
 from calib.diagnosis.statistics.change import Change
+from calib.forward.code_fault import CodeFault
 from calib.forward.departure import Departure
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameters_of
@@ -113,7 +115,8 @@ def is_of_events(shape: Shape, responder: Responder) -> bool:
 
 def _is_whitened_along_a_curve(shape: Shape, responder: Responder) -> bool:
     """Return whether a shape shows in counts, or in squared amplitudes of a tone."""
-    return is_of_events(shape, responder) or (not shape.fixed and is_tone(shape.template))
+    counted = is_of_events(shape, responder) or isinstance(shape.template, CodeFault)
+    return not shape.fixed and (counted or is_tone(shape.template))
 
 
 def _power_here(one: Signature, evidence: Evidence, responder: Responder) -> float:
@@ -147,7 +150,7 @@ def _taken(
 
 def needs_two_draws(effect: Departure, responder: Responder) -> bool:
     """Return whether chance has a part in what one draw shows of an effect."""
-    coded = effect.stage >= Stage.CODES
+    coded = effect.stage >= Stage.CODES and not isinstance(effect, CodeFault)
     return coded or responder.chain.has_events(effect) or _other_pattern(effect) != effect
 
 
@@ -179,6 +182,15 @@ def _simulated(
     once: bool = False,
     first: Change | None = None,
 ) -> Change:
+    faults = tuple(effect for effect in effects if isinstance(effect, CodeFault))
+    if faults:
+        others = tuple(effect for effect in effects if effect not in faults)
+        change = (
+            change_of(others, evidence, responder, once=once)
+            if (others or responder.plain is not None)
+            else no_change(evidence)
+        )
+        return _with_misfit(change + change_of_faults(faults, change, evidence), evidence)
     dense = {e: density for e in effects if (density := density_of(e, responder)) is not None}
     if dense:
         parts = [change_of_events(e, density, responder) for e, density in dense.items()]

@@ -30,34 +30,20 @@ def expected(
         counts: Its counts.
     """
     some = np.maximum(counts.pixels, 1.0)
-    size = counts.smallest_tap
     v = grouped(variance, sensor) / some
     v2 = grouped(variance**2, sensor) / some
     k4 = grouped(kurtosis, sensor) / some
-    taps = np.array([variance[sensor.tap == t].mean() for t in range(sensor.n_taps)])
     rows_of_tap = counts.present.sum(axis=0)
-    of_tap = taps / (counts.tap_size.sum(axis=0) / rows_of_tap)
+    of_tap = _of_tap(variance, sensor, counts)
     spread = float(np.sqrt((of_tap**2).mean()))
     kept = settled(n)
     of_row = float(of_tap.mean() / counts.taps_of_row)
-    # Of what follows in time: a line of a line sensor, or a frame. Its residuals are about the
-    # block's own mean, and covary by -1/n of it; rows of one frame do not.
+    # Of what follows in time: a line of a line sensor, or a frame.
     whole = of_row / sensor.n_rows
     next_row = of_row / np.sqrt((kept - 1) * sensor.n_rows)
-    tap_of_group = np.arange(sensor.n_groups) // STRETCHES
-    # Taking off a line's mean mixes a pixel's variance with those of its tap.
-    own = (v * (1.0 - 2.0 / size) + taps[tap_of_group] / size) / (1.0 - 1.0 / size)
     phase = _rounding_error(v) / np.sqrt(2.0 * some)
-    mean = {
-        "variance": own,
-        "kurtosis": k4 / (3.0 * np.maximum(v2, 1e-300)),
-        "rows": np.zeros_like(v),
-        "partners": np.zeros(len(sensor.partner)),
-        "common": of_tap,
-        "common_taps": np.zeros(1),
-        "common_1": np.zeros(1) if sensor.n_rows > 1 else np.full(1, -whole / kept),
-        "common_2": np.full(1, -whole / kept),
-    }
+    mean = second_moments(variance, n, sensor, counts)
+    mean["kurtosis"] = k4 / (3.0 * np.maximum(v2, 1e-300))
     shared = np.array([1.0 / rows for rows in counts.shared_rows.values()] or [np.inf])
     std = {
         "variance": np.sqrt((2.0 * v2 / (n - 1) + k4 / n) / some + phase**2),
@@ -78,10 +64,8 @@ def expected(
     if sensor.n_rows == 1:
         std["rows"] = np.full_like(v, np.inf)
     for k in range(COLUMN_LAGS):
-        mean[f"columns_{k + 1}"] = (taps[tap_of_group] - 2.0 * v) * counts.same_tap[k] / size
         std[f"columns_{k + 1}"] = _std(v2, n, counts.columns[k])
     for k in range(LINE_LAGS):
-        mean[f"lines_{k + 1}"] = -v / n * (1.0 - 1.0 / size)
         std[f"lines_{k + 1}"] = (
             np.sqrt(v2 * lagged_variance(n, k + 1) / some) if n > k + 2 else np.full_like(v, np.inf)
         )
@@ -89,6 +73,47 @@ def expected(
     for kind in ("variance", "kurtosis"):
         std[kind] = np.where(empty, np.inf, std[kind])
     return Pooled(mean), Pooled(std)
+
+
+def second_moments(variance: Floats, n: int, sensor: Sensor, counts: Counts) -> dict[str, Floats]:
+    """Return what a variance of each pixel makes of a block's statistics, by their names.
+
+    All but kurtosis, which is 0, are linear in the variance.
+
+    Args:
+        variance: DN^2, (n_rows, n_columns), or a change of it.
+        n: Lines.
+        sensor: The sensor.
+        counts: Its counts.
+    """
+    v, size = grouped(variance, sensor) / np.maximum(counts.pixels, 1.0), counts.smallest_tap
+    taps = np.array([variance[sensor.tap == t].mean() for t in range(sensor.n_taps)])
+    of_tap, of_group = _of_tap(variance, sensor, counts), taps.repeat(STRETCHES)
+    # Residuals of a line of a line sensor, or of a frame, are about the block's own mean, and
+    # covary by -1/n of it; rows of one frame do not.
+    lagged = -of_tap.mean() / counts.taps_of_row / sensor.n_rows / settled(n)
+    mean = {
+        # Taking off a line's mean mixes a pixel's variance with those of its tap.
+        "variance": (v * (1.0 - 2.0 / size) + of_group / size) / (1.0 - 1.0 / size),
+        "kurtosis": np.zeros_like(v),
+        "rows": np.zeros_like(v),
+        "partners": np.zeros(len(sensor.partner)),
+        "common": of_tap,
+        "common_taps": np.zeros(1),
+        "common_1": np.full(1, lagged if sensor.n_rows == 1 else 0.0),
+        "common_2": np.full(1, lagged),
+    }
+    for k in range(COLUMN_LAGS):
+        mean[f"columns_{k + 1}"] = (of_group - 2.0 * v) * counts.same_tap[k] / size
+    for k in range(LINE_LAGS):
+        mean[f"lines_{k + 1}"] = -v / n * (1.0 - 1.0 / size)
+    return mean
+
+
+def _of_tap(variance: Floats, sensor: Sensor, counts: Counts) -> Floats:
+    """Return the variance of each tap's mean in a line, (n_taps,)."""
+    taps = np.array([variance[sensor.tap == t].mean() for t in range(sensor.n_taps)])
+    return np.asarray(taps / (counts.tap_size.sum(axis=0) / counts.present.sum(axis=0)))
 
 
 def _rounding_error(variance: Floats) -> Floats:

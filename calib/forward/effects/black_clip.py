@@ -14,8 +14,9 @@ from numpy.random import Generator
 
 from calib.arrays import Lines
 from calib.errors import InputError
+from calib.forward.code_fault import CodeFault
 from calib.forward.conditions import Conditions
-from calib.forward.departure import Departure, Statistic, Variable
+from calib.forward.departure import Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.plan_needs import any_of, darks, signals
@@ -23,7 +24,7 @@ from calib.recording.header import Block, CameraHeader
 
 
 @dataclass(frozen=True)
-class BlackClip(Departure):
+class BlackClip(CodeFault):
     """Raise codes below the level to it. It acts last, on the codes that the camera sends.
 
     Attributes:
@@ -42,7 +43,16 @@ class BlackClip(Departure):
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """Whole codes in and out, (n_lines, *sample)."""
-        return np.maximum(signal, float(self.level_dn))
+        return self.faulty(signal)
+
+    @property
+    def chance(self) -> float:
+        """All samples have the fault."""
+        return 1.0
+
+    def faulty(self, codes: Lines) -> Lines:
+        """Return what becomes of codes of any shape."""
+        return np.maximum(codes, float(self.level_dn))
 
     def check_camera(self, camera: CameraHeader) -> None:
         """Raise InputError unless the camera has codes above the level."""

@@ -15,8 +15,9 @@ from numpy.random import Generator
 
 from calib.arrays import Lines
 from calib.errors import InputError
+from calib.forward.code_fault import CodeFault
 from calib.forward.conditions import Conditions
-from calib.forward.departure import Departure, Statistic, Variable
+from calib.forward.departure import Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.plan_needs import lines
@@ -24,7 +25,7 @@ from calib.recording.header import Block, CameraHeader
 
 
 @dataclass(frozen=True)
-class StuckBit(Departure):
+class StuckBit(CodeFault):
     """Set one bit of the converter's codes to a value, each pixel's by chance of its own.
 
     Attributes:
@@ -47,10 +48,18 @@ class StuckBit(Departure):
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """Whole codes in and out, (n_lines, *sample)."""
-        codes, mask = signal.astype(np.int64), 1 << self.bit
-        stuck = codes | mask if self.value else codes & ~mask
         sticks = rng.random(signal.shape) < self.probability
-        return np.where(sticks, stuck, codes).astype(np.float64)
+        return np.where(sticks, self.faulty(signal), signal)
+
+    @property
+    def chance(self) -> float:
+        """With which a sample has the fault."""
+        return self.probability
+
+    def faulty(self, codes: Lines) -> Lines:
+        """Return what codes are where the bit sticks, of any shape."""
+        whole, mask = codes.astype(np.int64), 1 << self.bit
+        return (whole | mask if self.value else whole & ~mask).astype(np.float64)
 
     def check_camera(self, camera: CameraHeader) -> None:
         """Raise InputError unless the camera's codes have that bit."""

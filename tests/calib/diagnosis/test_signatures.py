@@ -12,6 +12,7 @@ from calib.diagnosis.diagnose import responder_of
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.signatures import change_of
 from calib.forward.departure import Departure
+from calib.forward.effects.black_clip import BlackClip
 from calib.forward.effects.brighter_fatter import BrighterFatter
 from calib.forward.effects.cti import Cti
 from calib.forward.effects.dark_current import DarkCurrent
@@ -22,6 +23,7 @@ from calib.forward.effects.lag import Lag
 from calib.forward.effects.line_noise import LineNoise
 from calib.forward.effects.nonlinearity import Nonlinearity
 from calib.forward.effects.persistence import Persistence
+from calib.forward.effects.stuck_bit import StuckBit
 from calib.forward.effects.tap_crosstalk import TapCrosstalk
 from calib.recording.header import Block
 from tests.calib.diagnosis.recordings import plain_model, recorded
@@ -40,6 +42,10 @@ EFFECTS = (
     Persistence(0.006, 8.0, 3e6),
     ExposureJitter(0.001),
     LineNoise(0.4),
+    StuckBit(0.02, 4, 1),
+    StuckBit(0.02, 8, 0),
+    StuckBit(0.3, 1, 1),
+    BlackClip(63),
 )
 
 
@@ -65,8 +71,10 @@ def with_effect(effect: Departure) -> Evidence:
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda e: f"{e.name}")
 def test_a_signature_is_what_long_recordings_show(effect: Departure) -> None:
     first, other = replace(plain(), known_peaks=()), with_effect(effect)
-    seen = replace(first, sums=other.sums).observed() - first.observed()
-    signature = change_of((effect,), first, responder_of(first))
+    recording = replace(first, sums=other.sums)
+    seen = recording.observed() - first.observed()
+    # What lies far out of a recording is left out by how its own samples scatter.
+    signature = change_of((effect,), recording, responder_of(first))
     std = np.hypot(first.pooled.std, other.pooled.std)
     usable = np.isfinite(std) & (std > 0)
     for kind, where in first.pooled.places.items():

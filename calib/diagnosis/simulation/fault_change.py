@@ -1,0 +1,176 @@
+"""What faults of codes change of a recording's statistics, told by the codes' chances alone.
+
+Beside other effects it is that about the means and the noise which these leave: whether a bit is
+set hangs on where a pixel stands.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import poisson
+
+from calib.diagnosis.baseline.code_counts import about_means, fine_blocks, own_means_hidden
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.simulation.fault_moments import PixelMoments, are_touched, pixel_moments
+from calib.diagnosis.statistics.change import Change
+from calib.diagnosis.statistics.counts import grouped
+from calib.diagnosis.statistics.expected import second_moments
+from calib.diagnosis.statistics.noisy import MOST_NOISY
+from calib.diagnosis.statistics.pooled import Pooled
+from calib.diagnosis.statistics.rare import OFTEN, RARE, SINGLE
+from calib.forward.code_fault import CodeFault
+
+Floats = NDArray[np.float64]
+
+SOME_PIXELS = 256
+"""Of each block, whose codes stand for all."""
+LEAST_DN2 = 0.1
+"""Other effects leave a pixel at least so much variance."""
+
+
+@dataclass(frozen=True)
+class FaultyBlock:
+    """What faults change in one block.
+
+    Attributes:
+        means: Of each pixel, DN, (n_pixels,).
+        squares: Its variance, DN^2, likewise.
+        pooled: Of the pooled statistics, (n_pooled,).
+        rare: Of the rates of what is counted, (n_rare,).
+    """
+
+    means: Floats
+    squares: Floats
+    pooled: Floats
+    rare: Floats
+
+
+def change_of_faults(faults: Sequence[CodeFault], others: Change, evidence: Evidence) -> Change:
+    """Return what `faults` change beside `others`, which is what all else changes."""
+    base, shape = evidence.baseline, evidence.baseline.mean_dn.shape
+    means = base.mean_dn + others.means.reshape(shape)
+    variance = np.stack([
+        np.maximum(v + _of_pixels(row, evidence), LEAST_DN2)
+        for v, row in zip(base.variance_dn2, others.pooled, strict=True)
+    ])  # fmt: skip
+    blocks = [_block(b, means[b], variance[b], faults, evidence) for b in range(len(means))]
+    moved = np.stack([each.means for each in blocks])
+    weight = (evidence.n - 1.0) / (evidence.n - 1.0).sum()
+    ratio = sum(
+        w * each.squares / v.ravel()
+        for w, each, v in zip(weight, blocks, base.variance_dn2, strict=True)
+    )
+    codes = _codes(means, means + moved.reshape(shape), variance, faults, evidence)
+    return Change(
+        moved, np.zeros_like(others.onset), np.stack([each.pooled for each in blocks]),
+        np.stack([each.rare for each in blocks]), np.asarray(ratio), np.stack([codes, codes]),
+        np.zeros_like(others.tones), np.zeros_like(others.pixel_misfit),
+    )  # fmt: skip
+
+
+def no_change(evidence: Evidence) -> Change:
+    """Return that nothing changes."""
+    return evidence.observed() * 0.0
+
+
+def _of_pixels(pooled: Floats, evidence: Evidence) -> Floats:
+    """Return each pixel's change of variance, (n_rows, n_columns), of one block's statistics."""
+    group = np.minimum(evidence.sensor.group, evidence.sensor.n_groups - 1)
+    return np.asarray(pooled[evidence.pooled.places["variance"]][group])
+
+
+def _block(
+    b: int, means: Floats, variance: Floats, faults: Sequence[CodeFault], evidence: Evidence
+) -> FaultyBlock:
+    n, sensor = int(evidence.n[b]), evidence.sensor
+    if not are_touched(means, variance, faults, sensor.camera.full_scale_dn):
+        nothing, places = np.zeros(sensor.n_pixels), evidence.pooled.std.shape[1]
+        return FaultyBlock(nothing, nothing, np.zeros(places), np.zeros(len(RARE)))
+    after, before = (_pixels(b, means, variance, each, evidence) for each in (faults, ()))
+    noise = evidence.baseline.variance_dn2[b]
+    squares, fourths = after.squares - before.squares, after.fourths - before.fourths
+    pooled = second_moments(squares.reshape(noise.shape), n, sensor, evidence.counts)
+    pooled["kurtosis"] = _kurtosis(squares, fourths, noise, sensor)
+    rare = _rates(after, n, sensor) - _rates(before, n, sensor)
+    return FaultyBlock(after.mean - before.mean, squares, Pooled(pooled).vector(), rare)
+
+
+def _kurtosis(squares: Floats, fourths: Floats, noise: Floats, sensor: Sensor) -> Floats:
+    """Return the change of what `pooled` calls kurtosis, (n_groups,)."""
+    fourth, square = (grouped(x.reshape(noise.shape), sensor) for x in (fourths, squares))
+    level, whole = (np.maximum(grouped(x, sensor), 1e-300) for x in (noise**2, noise))
+    return np.asarray(fourth / 3.0 / level - 2.0 * square / whole)
+
+
+def _pixels(
+    b: int, means: Floats, variance: Floats, faults: Sequence[CodeFault], evidence: Evidence
+) -> PixelMoments:
+    """Return the moments of a block's pixels, flat, tap by tap: each has a noise of its own."""
+    sensor, top = evidence.sensor, evidence.sensor.camera.full_scale_dn
+    seen = evidence.sums[b].sigma_dn
+    whole: dict[str, Floats] = {}
+    for tap in range(sensor.n_taps):
+        of_tap = sensor.tap == tap
+        part = pixel_moments(means[of_tap], variance[of_tap], seen[of_tap], faults, top)
+        for each in fields(part):
+            found = getattr(part, each.name)
+            whole.setdefault(each.name, np.zeros((sensor.n_pixels, *found.shape[1:])))
+            whole[each.name][of_tap.ravel()] = found
+    return PixelMoments(**whole)
+
+
+def _rates(moments: PixelMoments, n: int, sensor: Sensor) -> Floats:
+    """Return the rates of what is counted in a block of `n` lines, (n_rare,).
+
+    A pixel with far more samples beyond the cut than the others is counted for itself.
+    """
+    rates = np.zeros(len(RARE))
+    if not moments.far.any():
+        return rates
+    expected = n * moments.out
+    typical = float(np.minimum(expected, np.median(expected) + OFTEN).mean())
+    least = np.ceil(OFTEN + typical + 6.0 * np.sqrt(typical))
+    beside = 2 if sensor.n_rows == 1 else 8
+    track = 1.0 - (1.0 - moments.raised) ** beside
+    often = poisson.sf(least - 1.0, expected)
+    if often.mean() > MOST_NOISY:
+        often, least = 0.0 * often, np.inf
+    told = np.ones(sensor.n_pixels)
+    told[list(sensor.noisy)] = 0.0
+    # Of a Poisson number N, the mean of N below a limit is that of all times P(N < limit - 1).
+    single = moments.far * (told * poisson.cdf(least - 2.0, expected))[:, None]
+    kinds = np.concatenate([[0, 1], np.arange(len(SINGLE) + 2, len(RARE))])
+    rates[kinds] = (single * (1.0 - track)[:, None]).mean(axis=0)
+    rates[RARE.index("tracks")] = float((single.sum(axis=1) * track).mean())
+    rates[RARE.index("noisy_pixels")] = float(often.mean())
+    return rates
+
+
+def _codes(
+    means: Floats, moved: Floats, variance: Floats, faults: Sequence[CodeFault], evidence: Evidence
+) -> Floats:
+    """Return the change of code shares about what pixels' own means lead to expect, (n_codes,)."""
+    base, n_codes = evidence.baseline, evidence.sensor.camera.full_scale_dn + 1
+    found, samples, hidden = np.zeros(n_codes), 0.0, own_means_hidden(base)
+    for b in np.flatnonzero(fine_blocks(base)).tolist():
+        n = float(evidence.n[b])
+        samples += n * means[b].size
+        if not are_touched(means[b], variance[b], faults, n_codes - 1):
+            continue
+        found += _mapped(about_means(means[b], variance[b], n, n_codes, SOME_PIXELS), faults)
+        about = base.mean_dn[b] if hidden[b] else moved[b]
+        found -= about_means(about, variance[b], n, n_codes, SOME_PIXELS)
+    return found / max(samples, 1.0)
+
+
+def _mapped(samples: Floats, faults: Sequence[CodeFault]) -> Floats:
+    """Return the samples by code after the faults, (n_codes,)."""
+    every = np.arange(len(samples), dtype=np.float64)
+    for fault in faults:
+        to = np.clip(fault.faulty(every), 0, len(samples) - 1).astype(np.intp)
+        moved = np.bincount(to, samples, minlength=len(samples))
+        samples = (1.0 - fault.chance) * samples + fault.chance * moved
+    return samples

@@ -1,0 +1,78 @@
+"""What faults of codes do, told by the codes' chances, against samples that are drawn."""
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from calib.diagnosis.diagnose import examine
+from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.simulation.fault_moments import pixel_moments
+from calib.diagnosis.statistics.gather import block_sums
+from calib.forward.code_fault import CodeFault
+from calib.forward.effect import Effect
+from calib.forward.effects.black_clip import BlackClip
+from calib.forward.effects.exposure_offset import ExposureOffset
+from calib.forward.effects.line_noise import LineNoise
+from calib.forward.effects.stuck_bit import StuckBit
+from calib.recording.header import CameraHeader
+from tests.calib.diagnosis.recordings import plain_model, plan, recorded
+
+TOP, SAMPLES = 1023, 4000
+
+
+@pytest.mark.parametrize(
+    "fault", [StuckBit(0.3, 2, 1), StuckBit(0.02, 5, 0), StuckBit(0.2, 7, 1), BlackClip(198)]
+)
+def test_moments_of_faulty_codes_are_those_of_drawn_ones(fault: CodeFault) -> None:
+    rng = default_rng()
+    means, noise = np.linspace(190.0, 260.0, 40), 4.0
+    codes = np.rint(means + noise * rng.standard_normal((SAMPLES, len(means))))
+    codes = np.where(rng.random(codes.shape) < fault.chance, fault.faulty(codes), codes)
+    variance = np.full(len(means), noise**2 + 1.0 / 12.0)
+    sigma = np.full(len(means), noise)
+    told = pixel_moments(means, variance, sigma, (fault,), TOP)
+    cut = 5.0 * noise + 1.0
+    off = codes - told.mean
+    within = np.abs(off) <= cut
+    kept = np.where(within, off, 0.0)
+    seen_and_told = (
+        (kept, 0.0 * told.mean, told.squares),
+        (kept**2, told.squares, told.fourths - told.squares**2),
+        (kept**4, told.fourths, cut**4 * told.fourths),
+        (1.0 * ~within, told.out, told.out * (1.0 - told.out)),
+    )
+    for values, expected, spread in seen_and_told:
+        # Of 40 pixels one is off by six standard errors by chance in 10 million draws, but for
+        # rare samples, of which three more may happen to one.
+        std = np.sqrt(np.maximum(spread, 0.0) / SAMPLES)
+        few = 3.0 * np.abs(values).max() / SAMPLES
+        assert (np.abs(values.mean(axis=0) - expected) <= 6.0 * std + few).all()
+
+
+@pytest.mark.parametrize("chance", [0.02, 0.1])
+def test_samples_that_jump_far_widen_no_cut(chance: float) -> None:
+    rng = default_rng()
+    sensor = Sensor(CameraHeader(columns=128, bit_depth=12, taps=1, tap_layout="single"))
+    codes = np.rint(600.0 + 6.0 * rng.standard_normal((100, 1, 128)))
+    bits = StuckBit(chance, 7, 1)
+    jumped = np.where(rng.random(codes.shape) < chance, bits.faulty(codes), codes)
+    sums = block_sums(jumped.astype(np.uint16), sensor, 1 << 20)
+    moved = (jumped != codes).sum(axis=(0, 1))
+    # A jump of 128 DN is 21 standard deviations; each of them lies beyond the cut.
+    np.testing.assert_array_equal(sums.products.outliers[0], moved)
+    # With 0.1 of them the median of deviations is that of the 56 % nearest: 1.14 times as far;
+    # half a code more adds 0.12 of a standard deviation.
+    assert 6.0 * 0.9 < np.median(sums.sigma_dn) < 6.0 * 1.4
+
+
+@pytest.mark.parametrize(
+    "fault", [StuckBit(0.1, 8, 1), pytest.param(StuckBit(0.2, 4, 0), marks=pytest.mark.soak)]
+)
+def test_effects_are_found_beside_a_bit_that_sticks(fault: Effect) -> None:
+    rng = default_rng()
+    others = (ExposureOffset(6.0), LineNoise(0.4))
+    evidence = recorded(plain_model(96), plan(rng, 60, twice=0), rng, (*others, fault))
+    found = examine(evidence).diagnosis
+    names = {finding.effect.name for finding in found.findings}
+    assert names == {fault.name, *(each.name for each in others)}
+    assert found.verdict != "unexplained"
