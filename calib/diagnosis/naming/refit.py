@@ -60,7 +60,7 @@ def _fitted(model: Model, evidence: Evidence, responder: Responder) -> tuple[Mod
         told = moving & (std > 0.0)
         ahead = float(np.max(np.abs(steps[told] / std[told]), initial=0.0))
         tried.append(Turn(now, ahead, misfit(now, evidence)))
-        converged = not moving.any() or (ahead < LEAST_STEP and turn > 0)
+        converged = ahead < LEAST_STEP and turn > 0
         if converged or stalled(tried):
             return most_settled(tried, evidence.product(model.first, model.first)), True
         stepped = _stepped(members, steps)

@@ -160,9 +160,11 @@ def _codes(
         samples += n * means[b].size
         if not are_touched(means[b], variance[b], faults, n_codes - 1):
             continue
-        found += _mapped(about_means(means[b], variance[b], n, n_codes, SOME_PIXELS), faults)
+        # Means are known here, and samples scatter about them by all of their noise.
+        whole = variance[b] + (variance[b] - 1.0 / 12.0) / max(n - 1.0, 1.0)
+        found += _mapped(about_means(means[b], whole, n, n_codes, SOME_PIXELS), faults)
         about = base.mean_dn[b] if hidden[b] else moved[b]
-        found -= about_means(about, variance[b], n, n_codes, SOME_PIXELS)
+        found -= about_means(about, whole, n, n_codes, SOME_PIXELS)
     return found / max(samples, 1.0)
 
 
