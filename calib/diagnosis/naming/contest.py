@@ -16,8 +16,8 @@ import numpy as np
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
-from calib.diagnosis.naming.courses import PRICE, course
-from calib.diagnosis.naming.laws import open_variable
+from calib.diagnosis.naming.courses import PRICE
+from calib.diagnosis.naming.freeing import with_free_law
 from calib.diagnosis.naming.model import Member, Model
 from calib.diagnosis.naming.refit import misfit, refitted
 from calib.diagnosis.naming.scores import Score, best_by_name, scores, sharpened
@@ -29,8 +29,6 @@ from calib.forward.departure import Variable
 
 INNER_RANGE = log(100.0)
 """Inner parameters are as likely at every logarithm within two decades."""
-WORTH_FREEING = 16.0
-"""Deviance, after its price, from which on a law is freed: what chance seldom reaches."""
 
 
 @dataclass(frozen=True)
@@ -77,24 +75,13 @@ class Contest:
                 replace(s, net=s.gain - self.price_of_shape(s.signature.shape)) for s in again
             ]
         basis = orthonormal(directions, self.evidence)
-        freed = [self._freed(score, residual, basis) for score in best_by_name(ranked)]
+        freed = [
+            with_free_law(score, self.free, residual, basis, self.evidence)
+            for score in best_by_name(ranked)
+        ]
         others = [m for j, m in enumerate(model.members) if j != k]
         freed = [replace(s, net=s.net - told_twice(s.signature.shape, others)) for s in freed]
         return sorted(freed, key=lambda score: -score.net)
-
-    def _freed(self, score: Score, residual: Point, basis: Sequence[Point]) -> Score:
-        """Return the score with its law left free where that is worth its price."""
-        if score.gain <= WORTH_FREEING or open_variable(score.signature) not in self.free:
-            return score
-        parts = course(score.signature, residual, basis, self.evidence)
-        beside = [*basis, *orthonormal([without(score.signature.point, basis, self.evidence)],
-                                       self.evidence)]  # fmt: skip
-        free = orthonormal([without(p, beside, self.evidence) for _, p in parts], self.evidence)
-        more = sum(self.evidence.product(each, residual) ** 2 for each in free)
-        price = PRICE * len(parts)
-        if more - price < WORTH_FREEING:
-            return score
-        return replace(score, gain=score.gain + more, net=score.net + more - price, course=parts)
 
     def placed(self, model: Model, k: int | None, score: Score) -> Model:
         """Return the model with one effect more, or with it in the place of `k`, refitted."""

@@ -45,11 +45,7 @@ def open_variable(signature: Signature) -> Variable | None:
 
 
 def leaves_parameters(signature: Signature) -> bool:
-    """Return whether parameters of the shape mean something still where its law is free.
-
-    A course takes the place of its time constant. What neighbours farther apart share, or by how
-    much profiles go beside noise, tells nothing of how rows couple and how columns do.
-    """
+    """Return whether other parameters mean what they did where a law is free; a time has none."""
     return open_variable(signature) == "column"
 
 
@@ -73,11 +69,12 @@ def laws(signature: Signature, evidence: Evidence) -> Laws:
     effect, change = signature.shape.template, signature.change
     variable, smooth = open_variable(signature), effect.any_law is None
     if variable in {"signal", "code", "column", "line"}:
-        parts = tuple(_OF_PIXELS[variable, smooth](change, evidence))
-        if effect.stage is Stage.CHARGE:
-            # A border moves the flux of both its pixels or of one more than of the other: profiles
-            # lose up to twice as much for the same covariances.
-            parts = (*parts, replace(change * 0.0, means=change.means))
+        own = replace(change * 0.0, means=change.means)
+        # A border moves the flux of both its pixels or of one more than of the other: profiles
+        # lose up to twice as much for the same covariances.
+        profiles = (own,) if effect.stage is Stage.CHARGE else ()
+        tied = change - own if profiles else change
+        parts = (*_OF_PIXELS[variable, smooth](tied, evidence), *profiles)
         return Laws(parts, np.eye(len(parts)), len(parts))
     values, place = np.unique(
         _of_blocks(str(variable), evidence, smooth=smooth), return_inverse=True
@@ -154,10 +151,24 @@ def _bent(like: Change, evidence: Evidence, added: Floats, slope: Floats) -> Cha
 
 
 def _farther(like: Change, evidence: Evidence) -> Iterator[Change]:
-    """Yield what columns two apart share as nearest ones do; for rows effects have parameters."""
+    """Yield what columns two apart exchange as nearest ones do, and what scenes show of pairs."""
     pooled, places = np.zeros_like(like.pooled), evidence.pooled.places
     pooled[:, places["columns_2"]] = like.pooled[:, places["columns_1"]]
-    yield replace(like * 0.0, pooled=pooled)
+    sensor = evidence.sensor
+    gained = like.means.reshape(-1, sensor.n_rows, sensor.n_columns)
+    over = np.cumsum(gained, axis=-1)[..., :-1]
+    two = over[..., 1:] + over[..., :-1]
+    yield replace(_over_borders(two, 2, like, evidence), pooled=pooled)
+    every_other = np.where(np.arange(over.shape[-1]) % 2 == 1, 1.0, -1.0)
+    yield _over_borders(over * every_other, 1, like, evidence)
+
+
+def _over_borders(over: Floats, distance: int, like: Change, evidence: Evidence) -> Change:
+    """Return the change where so much, DN, comes to columns from those at a distance on."""
+    gained = np.zeros((len(over), evidence.sensor.n_rows, evidence.sensor.n_columns))
+    gained[..., :-distance] += over
+    gained[..., distance:] -= over
+    return replace(like * 0.0, means=gained.reshape(like.means.shape))
 
 
 def _later(like: Change, evidence: Evidence) -> Iterator[Change]:

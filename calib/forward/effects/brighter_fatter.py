@@ -76,9 +76,11 @@ class BrighterFatter(Departure):
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """Electrons in and out, (n_lines, *sample)."""
         charge = np.asarray(signal, dtype=np.float64)
+        # Nothing is promised of a so large that more is moved than there is, but that it ends.
+        most = 2.0 * float(charge.max(initial=0.0))
         seen = charge
         for share in STAGES:
-            seen = np.maximum(charge + share * self._gained(seen), 0.0)
+            seen = np.clip(charge + share * self._gained(seen), 0.0, most)
         return seen
 
     def _gained(self, charge: Lines) -> Lines:

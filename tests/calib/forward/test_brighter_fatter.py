@@ -66,6 +66,13 @@ def test_brighter_fatter_leaves_the_covariances_of_shifting_boundaries(
     assert np.all(np.abs(got - np.array(wanted)) < 5 * error + 2e-4), (got, wanted)
 
 
+def test_brighter_fatter_beyond_all_sensors_stays_a_number() -> None:
+    charge = np.random.default_rng(1).uniform(0, 30_000, (20, 12, 16))
+    moved = BrighterFatter(row_per_e=1e-2, column_per_e=1e-2).apply(charge, at(20), RNG)
+    assert moved.min() >= 0.0
+    assert moved.max() <= 2.0 * charge.max()
+
+
 @sensors
 def test_brighter_fatter_moves_charge_and_loses_none(model: Model) -> None:
     sample = model.truth().vignette.shape
