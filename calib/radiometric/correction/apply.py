@@ -5,7 +5,7 @@ Source: Olsen et al. 2010 (AgCam), Eq. 1 solved for L. See `apply_terms` for the
 
 from datetime import datetime
 from functools import reduce
-from math import ceil, floor, isfinite, sqrt
+from math import ceil, floor, sqrt
 from typing import cast
 
 import numpy as np
@@ -30,6 +30,8 @@ from calib.radiometric.correction.transmittance import Window
 from calib.recording.header import CameraHeader
 
 _CODES = (np.dtype(np.uint8), np.dtype(np.uint16))
+LEAST_US, MOST_US = 1e-6, 1e12
+"""Exposures that any light is taken with, with room: their numbers fit single precision."""
 _NO_WINDOW = Window(1.0, 0.0, "none")
 
 
@@ -83,8 +85,11 @@ class Correction:
                 "the set that was calibrated with the same region."
             )
             raise InputError(msg, code="wrong-columns")
-        if not (isfinite(exposure_us) and exposure_us > 0):
-            msg = f"An exposure of {exposure_us} µs cannot be corrected: state it above 0."
+        if not LEAST_US <= exposure_us <= MOST_US:
+            msg = (
+                f"An exposure of {exposure_us:g} µs cannot be corrected: state it above 0, between"
+                f" {LEAST_US:g} and {MOST_US:g} µs."
+            )
             raise InputError(msg, code="bad-exposure")
         at = camera.started_at if at is None else at
         against = mismatches(coefficients, camera) + validity_findings(validity, at)
