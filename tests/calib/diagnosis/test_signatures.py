@@ -42,7 +42,6 @@ EFFECTS = (
     Persistence(0.006, 8.0, 3e6),
     ExposureJitter(0.001),
     LineNoise(0.4),
-    StuckBit(0.02, 4, 1),
     StuckBit(0.02, 8, 0),
     StuckBit(0.3, 1, 1),
     BlackClip(63),
