@@ -21,6 +21,9 @@ LINE_LAGS = 2
 SETTLED = 0.1
 """Of a cut, half a standard deviation: a second step that is longer has farther to go."""
 
+MANY = 0.01
+"""Of a line's samples: where more are out, its median tells first where it stands."""
+
 Floats = NDArray[np.float64]
 
 
@@ -156,6 +159,9 @@ def _deviations(line, reference, cut, now, total, outliers):  # type: ignore[no-
     for c in range(n):
         found += abs(now[c] - level) > cut[c]
     if found > 0:
+        # Where many are out to one side they pull the level, and all that is put there with it, by
+        # a tenth of the cut for each tenth of the line, until they are no longer out.
+        level = _of_the_rest(now, cut, np.median(now) if found > MANY * n else level)
         for c in range(n):
             if abs(now[c] - level) > cut[c]:
                 outliers[c] += 1
@@ -176,6 +182,17 @@ def _settled(off, cut, level):  # type: ignore[no-untyped-def]  # compiled
         step = clipped / off.shape[0]
         level += step
     return level, abs(step) <= SETTLED * most / off.shape[0]
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _of_the_rest(off, cut, level):  # type: ignore[no-untyped-def]  # compiled
+    """Return the mean of the deviations that are within their cuts of the level."""
+    total, within = 0.0, 0.0
+    for c in range(off.shape[0]):
+        near = 1.0 if abs(off[c] - level) <= cut[c] else 0.0
+        total += near * off[c]
+        within += near
+    return total / within if within > 0.0 else level
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})

@@ -14,9 +14,10 @@ from scipy.stats import poisson
 from calib.diagnosis.baseline.code_counts import about_means, fine_blocks, own_means_hidden
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.recorded.sensor import Sensor
-from calib.diagnosis.simulation.fault_moments import PixelMoments, are_touched, pixel_moments
+from calib.diagnosis.simulation.fault_chances import are_touched
+from calib.diagnosis.simulation.fault_moments import PixelMoments, pixel_moments
 from calib.diagnosis.statistics.change import Change
-from calib.diagnosis.statistics.counts import grouped
+from calib.diagnosis.statistics.counts import Counts, grouped
 from calib.diagnosis.statistics.expected import second_moments
 from calib.diagnosis.statistics.noisy import MOST_NOISY
 from calib.diagnosis.statistics.pooled import Pooled
@@ -93,9 +94,27 @@ def _block(
     noise = evidence.baseline.variance_dn2[b]
     squares, fourths = after.squares - before.squares, after.fourths - before.fourths
     pooled = second_moments(squares.reshape(noise.shape), n, sensor, evidence.counts)
+    _add_levels(pooled, after, sensor, evidence.counts)
     pooled["kurtosis"] = _kurtosis(squares, fourths, noise, sensor)
     rare = _rates(after, n, sensor) - _rates(before, n, sensor)
     return FaultyBlock(after.mean - before.mean, squares, Pooled(pooled).vector(), rare)
+
+
+def _add_levels(
+    pooled: dict[str, Floats], moments: PixelMoments, sensor: Sensor, counts: Counts
+) -> None:
+    """Add what it does that samples beyond the cut are put to the level of the rest of their line.
+
+    Where a share q of a line is out, its level has the variance v / ((1 - q) N) of the N (1 - q)
+    samples that are not, v each. Of a tap with the part f of the line's pixels, the mean gains
+    2 q f + q^2 f / (1 - q) of v / (f N) by that, and so does its product with another tap's.
+    """
+    out, inside = moments.out, np.maximum(1.0 - moments.out, 0.5)
+    q, v = float(out.mean()), float((moments.squares / inside).mean())
+    gained = v / (sensor.n_columns * (1.0 - q)) * (2.0 * q * (1.0 - q) + q**2)
+    pooled["common"] = pooled["common"] + gained
+    if counts.shared_rows:
+        pooled["common_taps"] = pooled["common_taps"] + gained
 
 
 def _kurtosis(squares: Floats, fourths: Floats, noise: Floats, sensor: Sensor) -> Floats:

@@ -1,10 +1,7 @@
 """What faults of codes do to single pixels, from the chance of each code: nothing is drawn.
 
-A pixel of mean mu and noise s gives the code k with the chance Phi((k + 1/2 - mu) / s) -
-Phi((k - 1/2 - mu) / s), the lowest and the highest code with all that lies beyond. A fault that
-happens with a chance p moves that share p of each code to another one. Moments, and what stands
-out, are those that `calib.diagnosis.statistics.gather` finds in a recording: samples beyond the cut
-about the median are left out.
+Moments, and what stands out, are those that `calib.diagnosis.statistics.gather` finds in a
+recording: samples beyond the cut about the median are left out.
 """
 
 from collections.abc import Sequence
@@ -12,8 +9,15 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
+from calib.diagnosis.simulation.fault_chances import (
+    about_nodes,
+    code_chances,
+    is_gaussian,
+    nodes_between,
+    stored_chances,
+    straight,
+)
 from calib.diagnosis.statistics.gather import CUT_SIGMA
 from calib.diagnosis.statistics.rare import (
     BESIDE_SIGMA,
@@ -26,14 +30,6 @@ from calib.forward.code_fault import CodeFault
 
 Floats = NDArray[np.float64]
 
-REACH = 7.0
-"""Codes so many standard deviations away from a mean do not happen."""
-ROUNDED_DN = 0.6
-"""Noise beyond this leaves 1e-3 of a DN of what rounding does to a mean: exp(-2 pi^2 std^2)."""
-FINE = 4.0
-"""Nodes lie this part of a standard deviation apart: between them lines err by 1/(8 x 16)."""
-COARSE = 20
-"""Of so many codes in a standard deviation, and more, every third, fifth ... stands for all."""
 HARDLY = 1e-5
 """Where less than this share is beyond the cut about the mean, no median is asked for."""
 NEAR_CUT = 0.3
@@ -100,41 +96,19 @@ def pixel_moments(
         faults: In the order in which they act.
         top: The highest code.
     """
-    nodes = _nodes(means, np.sqrt(max(float(variance.min()), 1.0 / 12.0)))
-    spread = np.sqrt(np.maximum(_straight(means, variance, nodes) - 1.0 / 12.0, 1e-2))
-    if not faults and _is_gaussian(nodes, spread, top):
+    nodes = nodes_between(means, np.sqrt(max(float(variance.min()), 1.0 / 12.0)))
+    spread = np.sqrt(np.maximum(straight(means, variance, nodes) - 1.0 / 12.0, 1e-2))
+    if not faults and is_gaussian(nodes, spread, top):
         return PixelMoments.gaussian(spread, nodes).at(nodes, means)
-    codes, chance = _stored(*_chances(nodes, spread, top), faults)
-    middle = np.maximum(_straight(means, sigma, nodes), float(sigma.min()))
+    codes, chance = stored_chances(*code_chances(nodes, spread, top), faults)
+    middle = about_nodes(nodes, means, sigma)
     # Pixels' cuts scatter as what they are told from: half of them are lower, half higher.
-    apart = float((sigma - _straight(means, sigma, means)).std())
+    apart = float((sigma - np.interp(means, nodes, middle)).std())
     found = _moments(codes, chance, middle)
     if not found.near.any() or apart < 0.01 * float(middle.min()):
         return found.at(nodes, means)
     low, high = (_moments(codes, chance, middle + way * apart) for way in (-1.0, 1.0))
     return low.and_as_many(high).at(nodes, means)
-
-
-def are_touched(means: Floats, variance: Floats, faults: Sequence[CodeFault], top: int) -> bool:
-    """Return whether any code that these pixels give is changed by any of `faults`."""
-    reach = REACH * np.sqrt(variance.max()) + 1.0
-    low, high = (np.clip(x, 0.0, top) for x in (means.min() - reach, means.max() + reach))
-    codes = np.arange(np.floor(low), np.ceil(high) + 1.0)
-    return any(bool((fault.faulty(codes) != codes).any()) for fault in faults)
-
-
-def _is_gaussian(nodes: Floats, spread: Floats, top: int) -> bool:
-    """Return whether rounding adds its own noise, and no code lies at an end of the range."""
-    reach = REACH * float(spread.max())
-    inside = nodes[0] - reach > 0.0 and nodes[-1] + reach < top
-    return bool(inside and spread.min() > ROUNDED_DN)
-
-
-def _straight(means: Floats, values: Floats, places: Floats) -> Floats:
-    """Return the straight function of the means that `values` follow, at `places`."""
-    off = means - means.mean()
-    slope = float(off @ values) / max(float(off @ off), 1e-12)
-    return np.asarray(values.mean() + slope * (places - means.mean()))
 
 
 def _between(values: Floats, nodes: Floats, places: Floats) -> Floats:
@@ -144,35 +118,6 @@ def _between(values: Floats, nodes: Floats, places: Floats) -> Floats:
     for k in np.flatnonzero(values.any(axis=0)):
         found[:, k] = np.interp(places, nodes, values[:, k])
     return found
-
-
-def _nodes(means: Floats, noise: float) -> Floats:
-    """Return means, ascending, between which all pixels' lie; the pixels' own if these are few."""
-    wanted = 2 + int(np.ptp(means) * FINE / noise)
-    own: Floats = np.unique(means)
-    return own if len(own) <= wanted else np.linspace(own[0], own[-1], wanted)
-
-
-def _chances(nodes: Floats, spread: Floats, top: int) -> tuple[Floats, Floats]:
-    """Return codes about each node and the chance of each, (n_nodes, n_codes)."""
-    # An odd step meets codes with a bit set as often as codes without.
-    step = 2 * int(spread.min() / COARSE / 2) + 1
-    first = np.floor(nodes - REACH * spread)[:, None]
-    codes = first + np.arange(0.0, np.ceil(2.0 * REACH * spread.max()) + 2.0 * step, step)
-    upto = ndtr((codes + 0.5 * step - nodes[:, None]) / spread[:, None])
-    return np.clip(codes, 0.0, float(top)), np.diff(upto, axis=1, prepend=0.0)
-
-
-def _stored(codes: Floats, chance: Floats, faults: Sequence[CodeFault]) -> tuple[Floats, Floats]:
-    """Return stored codes and the chance of each, faults side by side with what has none."""
-    for fault in faults:
-        p, changed = fault.chance, np.asarray(fault.faulty(codes), np.float64)
-        if p == 1.0:
-            codes = changed
-            continue
-        codes = np.concatenate([codes, changed], axis=1)
-        chance = np.concatenate([(1.0 - p) * chance, p * chance], axis=1)
-    return codes, chance
 
 
 def _moments(codes: Floats, chance: Floats, sigma: Floats) -> PixelMoments:
@@ -188,7 +133,9 @@ def _moments(codes: Floats, chance: Floats, sigma: Floats) -> PixelMoments:
     within = np.where(out, 0.0, chance)
     square = off**2
     return PixelMoments(
-        mean,
+        # Where samples lie near the cut, those about the first mean have another than those
+        # about the median.
+        mean + (within * off).sum(axis=1),
         (within * square).sum(axis=1),
         (within * square**2).sum(axis=1),
         (chance * out).sum(axis=1),

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums, Floats
 from calib.diagnosis.statistics.far_samples import FarSamples, far_samples, without_one
+from calib.diagnosis.statistics.jumps import FEW_LINES, without_jumps
+from calib.diagnosis.statistics.neighbourhoods import about_each
 from calib.diagnosis.statistics.rare import rare_events
 from calib.diagnosis.statistics.repeats import repeated_lines
 from calib.diagnosis.statistics.settled_mean import settled_mean
@@ -16,18 +18,8 @@ from calib.kernels.residual_products import residual_products
 from calib.kernels.sums import line_sums
 from calib.recording.protocol import Recording
 
-FEW_LINES = 16
-"""Of so few, or fewer, no pixel's own variance tells its noise."""
-MEDIAN_OF_NORMAL = 0.6745
-"""Median of the absolute values of a standard normal variable."""
 CUT_SIGMA = 5.0
 """A Gaussian sample in two million lies farther out."""
-NEIGHBOURHOODS = 32
-"""Of columns, in which a pixel's noise is compared with others'."""
-MEDIAN_LINES = 64
-"""Of so many lines a pixel's median tells how its samples scatter but for those that jump."""
-WIDE = 1.5
-"""Where samples jump, their variance is larger by this factor than the median tells, or more."""
 MOST_SAMPLES = 1 << 26
 """Of a block: so many are looked at, 128 MiB; what comes after adds little."""
 SPECTRUM_SAMPLES = 1 << 25
@@ -76,12 +68,14 @@ def block_sums(
     mean = sums.mean_dn.reshape(shape)
     variance = np.maximum(np.nan_to_num(sums.variance_dn2).reshape(shape), 0.1)
     # Where the light has edges, a pixel's noise is unlike that of those about it.
-    local = _local(variance, n, sensor)
-    settled, local = without_jumps(samples, variance, local, sensor)
+    local = about_each(variance, n, sensor)
+    settled, local, jumps = without_jumps(samples, variance, local, sensor)
     reach = np.maximum(samples.max(axis=0) - mean, mean - samples.min(axis=0))
     sigma = np.sqrt(settled)
     if uniform:
-        sigma = _held(np.minimum(settled, without_one(reach, settled, n)), settled, local, n)
+        # Without jumps, the farthest sample is left out already.
+        rest = np.where(jumps, settled, without_one(reach, settled, n))
+        sigma = _held(np.minimum(settled, rest), settled, local, n)
     cut = CUT_SIGMA * sigma + 1.0
     products = residual_products(samples, mean, cut, sensor.tap, sensor.n_taps, sensor.partner)
     if products.outliers.any():
@@ -106,32 +100,6 @@ def block_sums(
     )
 
 
-def without_jumps(
-    samples: NDArray[np.generic], variance: Floats, local: Floats, sensor: Sensor
-) -> tuple[Floats, Floats]:
-    """Return pixels' variances, and their neighbourhoods', without samples that jump far away.
-
-    A bit that sticks in one sample of ten triples what its pixel seems to scatter by, and no jump
-    stands out of that. The median of deviations from the median (Hampel, J. Am. Stat. Assoc. 69,
-    383 (1974)) knows nothing of fewer than half of the samples; half a code is added, by which
-    whole codes hide it. It takes the variance's place where that is wider by far.
-
-    Args:
-        samples: Codes, (n_lines, n_rows, n_columns).
-        variance: Of each pixel, DN^2, (n_rows, n_columns).
-        local: Of those about each, likewise.
-        sensor: The sensor.
-    """
-    if len(samples) <= FEW_LINES:
-        return variance, local
-    few = samples[:: -(-len(samples) // MEDIAN_LINES)].astype(np.float64)
-    off = np.abs(few - np.median(few, axis=0))
-    settled = ((np.median(off, axis=0) + 0.5) / MEDIAN_OF_NORMAL) ** 2
-    about = _middles(settled, sensor)
-    jumps = local > WIDE * about
-    return np.where(jumps, about, variance), np.where(jumps, about, local)
-
-
 def _held(settled: Floats, variance: Floats, local: Floats, n: int) -> Floats:
     """Return each pixel's standard deviation in `n` lines, held near that of those about it.
 
@@ -141,27 +109,3 @@ def _held(settled: Floats, variance: Floats, local: Floats, n: int) -> Floats:
     own = 0.5 if n > FEW_LINES else 0.0
     found = np.where(variance > local, np.maximum(settled, local), variance)
     return np.asarray(np.sqrt(np.clip(found, (1.0 - own) * local, (1.0 + own) * local)))
-
-
-def _local(variance: Floats, n: int, sensor: Sensor) -> Floats:
-    """Return the variance that the pixels of its tap about each have in the middle of them."""
-    # The median of chi-squared over its mean (Wilson and Hilferty), far below 1 for few lines.
-    return _middles(variance, sensor) / (1.0 - 2.0 / (9.0 * max(n - 1, 1))) ** 3
-
-
-def _middles(variance: Floats, sensor: Sensor) -> Floats:
-    """Return the median over the pixels of its tap about each, 0.1 DN^2 or more."""
-    found = np.empty_like(variance)
-    columns = np.arange(sensor.n_columns)
-    edges = np.linspace(0, sensor.n_columns, min(NEIGHBOURHOODS, sensor.n_columns // 8 + 1) + 1)
-    middles, bounds = (edges[1:] + edges[:-1]) / 2, edges.astype(int)
-    for tap in range(sensor.n_taps):
-        of_tap = sensor.tap == tap
-        known = [
-            (x, max(float(np.median(variance[:, a:b][of_tap[:, a:b]])), 0.1))
-            for x, a, b in zip(middles, bounds[:-1], bounds[1:], strict=True)
-            if of_tap[:, a:b].any()
-        ]
-        local = np.interp(columns, [x for x, _ in known], [v for _, v in known])
-        found[of_tap] = np.broadcast_to(local, variance.shape)[of_tap]
-    return found

@@ -55,8 +55,18 @@ def test_a_sample_a_thousand_times_the_noise_takes_no_other_with_it() -> None:
     sums = residual_products(samples, mean, np.full((1, 12), 60.0), tap, 1, NO_PARTNER)
     assert sums.outliers.tolist() == [[0] * 7 + [1] + [0] * 4]
     others = np.delete(samples[4, 0] - mean[0], 7).mean()
-    # The level of the others, to which the outlier is put, may be drawn by its cut over 12 twice.
-    assert abs(sums.line_means[4, 0, 0] - others) < 2 * 60.0 / 12
+    np.testing.assert_allclose(sums.line_means[4, 0, 0], others, rtol=1e-12)
+
+
+@pytest.mark.parametrize("many", [1, 3, 5])
+def test_samples_that_are_out_are_put_to_the_level_of_the_others(many: int) -> None:
+    samples, mean = drawn(1)
+    samples[4, 0, :many] += 100
+    tap = np.zeros((1, 12), np.intp)
+    sums = residual_products(samples, mean, np.full((1, 12), 60.0), tap, 1, NO_PARTNER)
+    assert sums.outliers.tolist() == [[1] * many + [0] * (12 - many)]
+    others = (samples[4, 0] - mean[0])[many:].mean()
+    np.testing.assert_allclose(sums.line_means[4, 0, 0], others, rtol=1e-12)
 
 
 def test_a_line_that_is_off_as_a_whole_is_no_outlier() -> None:
