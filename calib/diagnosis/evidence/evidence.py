@@ -1,6 +1,5 @@
 """A recording's statistics against the baseline, whitened: what is looked for signatures in."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,27 +8,25 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.baseline.code_counts import CodeCounts, saturated_blocks
-from calib.diagnosis.baseline.nuisance import regressors, scene_blocks
+from calib.diagnosis.baseline.nuisance import scene_blocks
 from calib.diagnosis.evidence.growing import Growing
-from calib.diagnosis.evidence.mean_space import MeanSpace, mean_space
+from calib.diagnosis.evidence.mean_space import MeanSpace
 from calib.diagnosis.evidence.onset import onset_seen, onset_std
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.pooled_space import PooledSpace
 from calib.diagnosis.evidence.rare_space import RareSpace
-from calib.diagnosis.evidence.standing_out import N_STEPS, PixelMisfits, held_slopes, steps
+from calib.diagnosis.evidence.recorded_means import space_of_means
+from calib.diagnosis.evidence.standing_out import PixelMisfits, excess_variance
 from calib.diagnosis.evidence.tone_scale import ToneScale
+from calib.diagnosis.evidence.whitening import Whitening
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.monitor import MonitorReadings, readings_of
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.common_noise import CommonNoise
-from calib.diagnosis.statistics.counts import Counts, grouped
-from calib.diagnosis.statistics.few_samples import excess_as_normal
-from calib.diagnosis.statistics.pooled import ONSET_LINES
-from calib.diagnosis.statistics.recorded_scatter import wider
+from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.tones import Peak, find_peaks
-from calib.rounding import mean_square_bias
 
 Floats = NDArray[np.float64]
 
@@ -82,38 +79,10 @@ class Evidence:
     @cached_property
     def space(self) -> MeanSpace:
         """The space of the means."""
-        variance = self._recorded_variance.copy()
-        noisy = set(self.sensor.noisy)
-        if self.growing is not None:
-            variance[:, self.growing.pixels] = self.growing.variance_dn2
-            noisy -= set(self.growing.pixels.tolist())
-        sampling = variance / self.n[:, None] + mean_square_bias(
-            np.sqrt(np.maximum(variance - 1.0 / 12.0, 0.0))
-        )
-        usable = self.baseline.usable.reshape(self.n_blocks, -1)
-        weight = np.where(usable, 1.0 / np.sqrt(sampling), 0.0)
-        weight[:, sorted(noisy)] = 0.0
-        signal = (self.baseline.mean_dn - self.baseline.offset_dn).reshape(self.n_blocks, -1)
-        modes = np.concatenate([np.ones_like(signal), signal])
-        lines = self.n * self.sensor.n_rows
-        per_block = self.common.memory / lines
-        strength = np.concatenate(
-            [self.common.fixed_dn2 * per_block, self.common.relative * per_block]
-        )
-        block = np.tile(np.arange(self.n_blocks), 2)
-        return mean_space(weight, regressors(self.table, signal.shape), modes, block, strength)
-
-    @property
-    def _recorded_variance(self) -> Floats:
-        """Of each pixel's samples, (n_blocks, n_pixels): the baseline's, or clearly more."""
-        group = np.minimum(self.sensor.group, self.sensor.n_groups - 1)
-        some = np.maximum(self.counts.pixels, 1.0)
-        variance = self.baseline.variance_dn2
-        factors = [
-            wider(each, grouped(v, self.sensor) / some, self.sensor, self.counts)[group]
-            for each, v in zip(self.sums, variance, strict=True)
-        ]
-        return np.asarray((variance * np.stack(factors)).reshape(self.n_blocks, -1))
+        return space_of_means(
+            self.sums, self.table, self.sensor, self.baseline, self.counts,
+            common=self.common, growing=self.growing,
+        )  # fmt: skip
 
     @cached_property
     def pooled(self) -> PooledSpace:
@@ -132,23 +101,6 @@ class Evidence:
         counts = np.stack([each.events.counts(self.sensor.noisy) for each in self.sums])
         variance = self.baseline.variance_dn2.mean(axis=(1, 2))
         return RareSpace.of(counts, self.n, self.sensor.n_pixels, variance)
-
-    @cached_property
-    def rest_places(self) -> dict[str, slice]:
-        """Where each kind of statistic besides the means stands in a point's `rest`."""
-        sizes = {
-            "pooled": self.pooled.std.size,
-            "onset": self.n_blocks * ONSET_LINES,
-            "rare": self.rare_space.n_sums,
-        }
-        if self.kept is None:
-            sizes |= {"steps": 2 * N_STEPS, "codes": self.code_counts.n_numbers}
-        sizes["tones"] = self.n_blocks * len(self.peaks)
-        found, start = {}, 0
-        for kind, size in sizes.items():
-            found[kind] = slice(start, start + size)
-            start += size
-        return found
 
     @cached_property
     def code_counts(self) -> CodeCounts:
@@ -171,9 +123,9 @@ class Evidence:
         return Change(
             self.observed_means, onset_seen(self.sums, self.sensor), self.pooled.observed,
             self.rare_space.seen,
-            self.excess_variance,
+            excess_variance(self.sums, self.baseline, self.counts),
             self.code_counts.residual(),
-            self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),
+            self._tone_scale.seen_dn2,
             self.misfit(self.observed_means, observed=True),
             self.monitor.observed,
         )  # fmt: skip
@@ -185,63 +137,20 @@ class Evidence:
         return np.asarray(means - self.baseline.mean_dn.reshape(means.shape))
 
     @cached_property
-    def excess_variance(self) -> Floats:
-        """Each pixel's variance over the expected one in all blocks, less 1, (n_pixels,)."""
-        squares = np.zeros(self.sensor.n_pixels)
-        for b, each in enumerate(self.sums):
-            squares += (each.products.squares / self.baseline.variance_dn2[b]).ravel()
-        freedom = (self.n - 1).sum() * (1.0 - 1.0 / self.counts.smallest_tap)
-        return excess_as_normal(squares / freedom, float(freedom))
+    def whitening(self) -> Whitening:
+        """How changes are weighed."""
+        return Whitening(
+            self.n, self.space, self.pooled, self.onset_std, self.rare_space, self._tone_scale,
+            self.code_counts if self.kept is None else None, self.monitor, self.kept,
+        )  # fmt: skip
 
     def point(self, change: Change) -> Point:
         """Return a change in the whitened space, without what the baseline absorbs."""
-        means = self.space.project(change.means)
-        pool = self.pooled.whitened(change.pooled)
-        if self.kept is not None:
-            gone = ~self.kept
-            onset = np.where(gone[:, None], 0.0, change.onset / self.onset_std)
-            rare = self.rare_space.whitened(change.rare, self.kept)
-            tones = self._tone_scale.whitened(change.tones, self.kept)
-            return Point(means, np.concatenate([pool, onset.ravel(), rare, tones]))
-        rest = np.concatenate(
-            [
-                pool,
-                (change.onset / self.onset_std).ravel(),
-                self.rare_space.whitened(change.rare),
-                steps(change.pixel_variance * np.sqrt((self.n - 1).sum() / 2.0)),
-                steps(change.pixel_misfit),
-                self.code_counts.whitened(change.codes),
-                self._tone_scale.whitened(change.tones),
-                self.monitor.whitened(change.monitor),
-            ]
-        )
-        return Point(means, rest)
+        return self.whitening.point(change)
 
-    def derivative(self, change: Change, about: Change) -> Point:
-        """Return the whitened derivative of statistics that move by `change` from `about` on."""
-        small = 0.1
-        first, after = self.point(about), self.point(about + change * small)
-        found = (after - first) * (1.0 / small)
-        if self.kept is None:
-            where = self.rest_places["steps"]
-            counts = np.maximum(np.abs(first.rest[where]), np.abs(after.rest[where]))
-            pairs = (
-                (change.pixel_variance, about.pixel_variance),
-                (change.pixel_misfit, about.pixel_misfit),
-            )
-            for k, (moved, before) in enumerate(pairs):
-                part = slice(where.start + k * N_STEPS, where.start + (k + 1) * N_STEPS)
-                mine = counts[k * N_STEPS : (k + 1) * N_STEPS]
-                found.rest[part] = held_slopes(found.rest[part], mine, moved, before)
-        # Counts and tones are whitened along curves, and changes may be far larger than what is
-        # seen of them.
-        found.rest[self.rest_places["rare"]] = self.rare_space.derivative(
-            change.rare, about.rare, self.kept
-        )
-        found.rest[self.rest_places["tones"]] = self._tone_scale.derivative(
-            change.tones, about.tones, self.kept
-        )
-        return found
+    def product(self, one: Point, other: Point) -> float:
+        """Return the inner product."""
+        return self.whitening.product(one, other)
 
     def without_blocks(self, blocks: NDArray[np.intp]) -> "Evidence":
         """Return the evidence of the other blocks, statistics of all blocks together left out."""
@@ -252,10 +161,6 @@ class Evidence:
         return replace(
             self, baseline=baseline, kept=kept, whole=None, known_peaks=self.peaks, of_all=self
         )
-
-    def product(self, one: Point, other: Point) -> float:
-        """Return the inner product."""
-        return self.space.product(one.means, other.means) + float(one.rest @ other.rest)
 
     @cached_property
     def signal_dn(self) -> Floats:
@@ -269,16 +174,9 @@ class Evidence:
             return self.known_peaks
         return find_peaks(self.sums, self.signal_dn)
 
-    def _of_peaks(self, values: Sequence[Sequence[float]]) -> Floats:
-        """Return what each peak has in each block, (n_blocks, n_peaks)."""
-        return np.array(values).reshape(-1, self.n_blocks).T
-
     @cached_property
     def _tone_scale(self) -> ToneScale:
-        return ToneScale(
-            self._of_peaks([p.squared_amplitude_dn2 for p in self.peaks]),
-            self._of_peaks([p.std_dn2 for p in self.peaks]),
-        )
+        return ToneScale.of(self.peaks, self.n_blocks)
 
     @cached_property
     def onset_std(self) -> Floats:

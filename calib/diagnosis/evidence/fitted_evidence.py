@@ -10,6 +10,7 @@ from calib.diagnosis.baseline.baseline import fit_baseline
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.growing import growing_pixels
 from calib.diagnosis.evidence.jumping import jumping_pixels
+from calib.diagnosis.evidence.standing_out import excess_variance
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
@@ -45,7 +46,8 @@ def evidence_of(sums: Sequence[BlockSums], table: ConditionsTable, sensor: Senso
 
 def noisy_pixels(evidence: Evidence) -> NDArray[np.intp]:
     """Return the pixels whose variances or means are far off, (n,); none where they are many."""
-    z = evidence.excess_variance * np.sqrt((evidence.n - 1).sum() / 2.0)
+    excess = excess_variance(evidence.sums, evidence.baseline, evidence.counts)
+    z = excess * np.sqrt((evidence.n - 1).sum() / 2.0)
     misfit = evidence.misfit(evidence.observed_means, observed=True)
     off = (z > NOISY_SIGMA) | (misfit > NOISY_SIGMA)
     return few(np.flatnonzero(off), len(z))

@@ -75,16 +75,7 @@ def mean_space(
         mode_block: Their blocks.
         mode_variance: The variance of each mode's amplitude in the block's mean.
     """
-    basis: list[Floats] = []
-    for regressor in regressors:
-        column = weight * (regressor[:, None] if regressor.ndim == 1 else regressor)
-        length = np.einsum("bp,bp->p", column, column)
-        for direction in (*basis, *basis):
-            column = column - direction * np.einsum("bp,bp->p", direction, column)
-        left = np.einsum("bp,bp->p", column, column)
-        fine = left > 1e-9 * np.maximum(length, 1e-300)
-        basis.append(np.where(fine, column / np.sqrt(np.where(fine, left, 1.0)), 0.0))
-    directions = np.stack(basis) if basis else np.zeros((0, *weight.shape))
+    directions = _absorbed(weight, regressors)
     kept = mode_variance > 0
     white, block, variance = (
         modes[kept] * weight[mode_block[kept]],
@@ -101,3 +92,17 @@ def mean_space(
     if len(small):
         inverse = np.asarray(np.linalg.pinv(small), np.float64)
     return MeanSpace(weight, directions, white, block, inverse, float(logdet))
+
+
+def _absorbed(weight: Floats, regressors: tuple[Floats, ...]) -> Floats:
+    """Return orthonormal directions that each pixel's coefficients absorb, (k, *weight.shape)."""
+    basis: list[Floats] = []
+    for regressor in regressors:
+        column = weight * (regressor[:, None] if regressor.ndim == 1 else regressor)
+        length = np.einsum("bp,bp->p", column, column)
+        for direction in (*basis, *basis):
+            column = column - direction * np.einsum("bp,bp->p", direction, column)
+        left = np.einsum("bp,bp->p", column, column)
+        fine = left > 1e-9 * np.maximum(length, 1e-300)
+        basis.append(np.where(fine, column / np.sqrt(np.where(fine, left, 1.0)), 0.0))
+    return np.stack(basis) if basis else np.zeros((0, *weight.shape))

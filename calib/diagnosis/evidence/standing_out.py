@@ -1,12 +1,17 @@
 """Pixels that stand out of all others: by what their samples or their means miss."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.evidence.mean_space import MeanSpace
 from calib.diagnosis.evidence.rare_space import whitened_counts
+from calib.diagnosis.statistics.block_sums import BlockSums
+from calib.diagnosis.statistics.counts import Counts
+from calib.diagnosis.statistics.few_samples import excess_as_normal
 
 Floats = NDArray[np.float64]
 
@@ -15,6 +20,16 @@ NEAR_SIGMA, FAR_SIGMA = 5.0, 12.0
 N_STEPS = 3
 MAD_OF_NORMAL = 0.6745
 """Median absolute deviation of a standard normal variable."""
+
+
+def excess_variance(sums: Sequence[BlockSums], baseline: Baseline, counts: Counts) -> Floats:
+    """Return each pixel's variance over the expected one in all blocks, less 1, (n_pixels,)."""
+    squares = np.zeros(sums[0].products.squares.size)
+    for b, each in enumerate(sums):
+        squares += (each.products.squares / baseline.variance_dn2[b]).ravel()
+    lines = np.array([each.n_lines for each in sums], np.float64)
+    freedom = (lines - 1).sum() * (1.0 - 1.0 / counts.smallest_tap)
+    return excess_as_normal(squares / freedom, float(freedom))
 
 
 def steps(z: Floats) -> Floats:

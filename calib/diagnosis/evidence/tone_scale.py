@@ -6,11 +6,14 @@ where there is no tone. What S / sqrt(1 + 2 S) has of a strong tone's deviance, 
 sqrt(2 (1 + S)) has all of it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+
+from calib.diagnosis.statistics.tones import Peak
 
 Floats = NDArray[np.float64]
 
@@ -31,6 +34,13 @@ class ToneScale:
 
     seen_dn2: Floats
     noise_dn2: Floats
+
+    @classmethod
+    def of(cls, peaks: Sequence[Peak], n_blocks: int) -> "ToneScale":
+        """Return the scale of a recording whose spectra have `peaks`."""
+        seen = np.array([peak.squared_amplitude_dn2 for peak in peaks])
+        noise = np.array([peak.std_dn2 for peak in peaks])
+        return cls(seen.reshape(-1, n_blocks).T, noise.reshape(-1, n_blocks).T)
 
     def whitened(self, squared_dn2: Floats, kept: NDArray[np.bool_] | None = None) -> Floats:
         """Return squared amplitudes, DN^2, less than 0 where noise hides them, as (n_tones,)."""

@@ -71,7 +71,7 @@ def differentiated(
     if not is_tone(member.effect):
         # A peak was chosen for its height: what it tells of slow courses is too much of them.
         found = [replace(each, tones=np.zeros_like(each.tones)) for each in found]
-    points = tuple(evidence.derivative(each, about) for each in found)
+    points = tuple(evidence.whitening.derivative(each, about) for each in found)
     return replace(member, changes=tuple(found), directions=points)
 
 

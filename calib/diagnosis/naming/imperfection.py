@@ -61,7 +61,7 @@ def energies(point: Point, evidence: Evidence) -> Floats:
     found = [max(evidence.space.product(point.means, point.means), 0.0)]
     found += [float((pooled[:, where] ** 2).sum()) for where in evidence.pooled.places.values()]
     end = n
-    for kind, where in evidence.rest_places.items():
+    for kind, where in evidence.whitening.places.items():
         if kind != "pooled":
             found.append(float((point.rest[where] ** 2).sum()))
             end = max(end, where.stop)

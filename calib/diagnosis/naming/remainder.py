@@ -116,7 +116,8 @@ def _pooled(model: Model, evidence: Evidence) -> list[Look]:
 
 
 def _rest(model: Model, evidence: Evidence) -> list[Look]:
-    b, of = evidence.n_blocks, {k: model.residual.rest[v] for k, v in evidence.rest_places.items()}
+    places = evidence.whitening.places.items()
+    b, of = evidence.n_blocks, {kind: model.residual.rest[where] for kind, where in places}
     onset = of["onset"].reshape(b, -1)
     events, steps, codes = (float((of[k] ** 2).sum()) for k in ("rare", "steps", "codes"))
     by_block, flat = evidence.rare_space.by_block(model.observed.rare), np.zeros(b)
