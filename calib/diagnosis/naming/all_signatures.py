@@ -34,7 +34,7 @@ def all_signatures(
             progress(done / total)
         return found
 
-    per_run = responder.n_lines * evidence.n_blocks * evidence.sensor.n_pixels
+    per_run = responder.drawing.n_lines * evidence.n_blocks * evidence.sensor.n_pixels
     if per_run < WORTH_THREADS:
         every = [told(shapes) for shapes in effects]
     else:

@@ -1,8 +1,6 @@
-"""Runs the fitted chain with and without effects, on few lines of all blocks together.
+"""The fitted chain with and without effects: lines of it, and what they leave in the pixels.
 
-The links get the same noise in every run, so that the difference of two runs is what an effect does
-and not what chance does; what stands before the effect is run once. Codes are rounded only for
-effects of codes: rounding would hide small changes of a single sample.
+Codes are rounded only for effects of codes: rounding would hide small changes of a single sample.
 """
 
 from collections.abc import Sequence
@@ -10,13 +8,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
 
 from calib.arrays import Columns
 from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.baseline.fitted_links import (
-    FittedLink,
     GaussianShotNoise,
     Light,
     PixelGain,
@@ -26,22 +22,18 @@ from calib.diagnosis.baseline.fitted_links import (
 )
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
-from calib.diagnosis.simulation.chain_noise import KEPT_SAMPLES, NOISY_LINKS, ChainNoise
-from calib.diagnosis.simulation.designed_noise import Prepared
-from calib.diagnosis.simulation.side_by_side import carried_together
+from calib.diagnosis.simulation.chain_noise import NOISY_LINKS, ChainNoise
+from calib.diagnosis.simulation.passage import Passage
 from calib.diagnosis.simulation.stack import Stack
 from calib.forward.chain import without_noise
 from calib.forward.conditions import Conditions
-from calib.forward.effect import Effect, Stage
+from calib.forward.effect import Effect
 from calib.forward.effects.adc import Adc
 from calib.forward.effects.catalogue import place_of
 from calib.forward.left import Left
-from calib.forward.remembering import LineByLine, Remembering
-from calib.kernels.noisy_signal import noisy_signal
+from calib.forward.remembering import Remembering
 
 Floats = NDArray[np.float64]
-_UNUSED = default_rng(0)
-_TO_DN = (*NOISY_LINKS, "system_gain", "offset")
 
 
 @dataclass(frozen=True)
@@ -66,6 +58,11 @@ class FittedChain:
     def noise(self) -> ChainNoise:
         """The noise of the links, which does not hang on the baseline."""
         return self.known_noise or ChainNoise(self.table, self.sensor, self.seed)
+
+    @cached_property
+    def passage(self) -> Passage:
+        """What carries a signal through the links, and keeps what stands before effects."""
+        return Passage(self.table, self.sensor, self.noise)
 
     def about(self, baseline: Baseline) -> "FittedChain":
         """Return the chain of another baseline with the same noise."""
@@ -137,7 +134,7 @@ class FittedChain:
         middles = [(b, np.array([(n - 1) / 2])) for b, n in enumerate(self.table.n_lines)]
         stack, chain = self.stack(middles, "middle"), self._chain(effects)
         found = [
-            (x, self.run(stack, without_noise(chain[:k]), 0, noise=0.0))
+            (x, self.passage.run(stack, without_noise(chain[:k]), 0, noise=0.0))
             for k, x in enumerate(chain)
             if isinstance(x, Remembering)
         ]
@@ -154,7 +151,7 @@ class FittedChain:
     def noise_free(self, stack: Stack, effects: Sequence[Effect], draw: int) -> Floats:
         """Return the mean DN, (n_lines, n_pixels); effects of single events have these drawn."""
         links = [x for x in self._chain(effects) if x.name not in NOISY_LINKS and x.name != "adc"]
-        return self.run(stack, links, draw, noise=0.0).reshape(stack.n_lines, -1)
+        return self.passage.run(stack, links, draw, noise=0.0).reshape(stack.n_lines, -1)
 
     def drawn(
         self, stack: Stack, effects: Sequence[Effect], draw: int, *, coded: bool, sign: float = 1.0
@@ -164,7 +161,7 @@ class FittedChain:
         With `sign` -1, the effects' own noise is the opposite one; that of the baseline is not.
         """
         links = [x for x in self._chain(effects) if coded or x.name != "adc"]
-        drawn = self.run(stack, links, draw, noise=sign)
+        drawn = self.passage.run(stack, links, draw, noise=sign)
         return drawn.reshape(stack.n_lines, self.sensor.n_rows, self.sensor.n_columns)
 
     def has_events(self, effect: Effect) -> bool:
@@ -177,102 +174,6 @@ class FittedChain:
 
     def _chain(self, effects: Sequence[Effect]) -> tuple[Effect, ...]:
         return tuple(sorted((*self.links, *effects), key=place_of))
-
-    def run(self, stack: Stack, links: Sequence[Effect], draw: int, *, noise: float) -> Floats:
-        """Return the signal after `links`, (n_lines, *sample)."""
-        known = 0
-        while known < len(links) and isinstance(links[known], FittedLink):
-            known += 1
-        exposed, signal = self._before(stack, tuple(links[:known]), draw, noise)
-        at, left = list(stack.at), list(links[known:])
-        while left:
-            link = left[0]
-            if not exposed and link.stage > Stage.SOURCE:
-                signal = signal * stack.by_line([a.exposure_us for a in at], signal.ndim)
-                exposed = True
-            if exposed and tuple(x.name for x in left[: len(_TO_DN)]) == _TO_DN:
-                signal, left = self._to_dn(signal, stack, draw), left[len(_TO_DN) :]
-                continue
-            signal, left = self._through(link, signal, stack, at, draw, noise), left[1:]
-            if type(link).conditions_after is not Effect.conditions_after:
-                at = [link.conditions_after(a) for a in at]
-        return signal
-
-    def _to_dn(self, charge: Floats, stack: Stack, draw: int) -> Floats:
-        """Return DN of the expected charge after the baseline's own noise, gain and offset."""
-        shot, read, gain, offset = self.links[2:6]
-        assert isinstance(read, PixelReadNoise)  # noqa: S101 - so the links are made
-        assert isinstance(gain, PixelGain)  # noqa: S101
-        assert isinstance(offset, PixelOffset)  # noqa: S101
-        one, other = (self.noise.normals(stack, link, draw) for link in (shot, read))
-        return noisy_signal(charge, one, other, read.std_e, gain.dn_per_e, offset.dn)
-
-    def _before(
-        self, stack: Stack, links: tuple[Effect, ...], draw: int, noise: float
-    ) -> tuple[bool, Floats]:
-        """Return whether light has been exposed and the signal after links of the baseline."""
-        if not links:
-            scenes = [self.table.beyond_lamps(b, self.sensor.sample) for b in stack.blocks]
-            counts = [a.n_lines for a in stack.at]
-            return False, np.repeat(np.stack(scenes), counts, axis=0)
-        key = (stack.key, tuple(x.name for x in links), draw)
-        if key in self._kept:
-            return self._kept[key]
-        exposed, signal = self._before(stack, links[:-1], draw, noise)
-        link, at = links[-1], list(stack.at)
-        if not exposed and link.stage > Stage.SOURCE:
-            signal = signal * stack.by_line([a.exposure_us for a in at], signal.ndim)
-            exposed = True
-        signal = self._through(link, signal, stack, at, draw, noise)
-        if signal.size <= KEPT_SAMPLES:
-            self._kept[key] = exposed, signal
-        return exposed, signal
-
-    def _through(  # noqa: PLR0917 - all that a link sees
-        self,
-        link: Effect,
-        signal: Floats,
-        stack: Stack,
-        at: Sequence[Conditions],
-        draw: int,
-        noise: float,
-    ) -> Floats:
-        if isinstance(link, Light):
-            light = [link.seen(a) for a in at]
-            return np.asarray(signal + stack.by_line(light, signal.ndim))
-        if isinstance(link, FittedLink):
-            rng = Prepared(self.noise.normals(stack, link, draw)) if link.stochastic else _UNUSED
-            return np.asarray(link.apply(signal, at[0], rng), np.float64)
-        if link.by_signal:
-            rng = self._rng(link, stack.blocks, draw, signal.shape, noise)
-            return np.asarray(link.apply(signal, at[0], rng), np.float64)
-        if isinstance(link, LineByLine) and link.stochastic:
-            each = [
-                self.noise.of_effect(link, (b,), draw, signal[where].shape, noise)
-                for b, where in zip(stack.blocks, stack.parts, strict=True)
-            ]
-            return carried_together(link, signal, stack.parts, at, each, noise=noise)
-        after = np.empty_like(signal)
-        for b, where, a in zip(stack.blocks, stack.parts, at, strict=True):
-            rng = self._rng(link, (b,), draw, signal[where].shape, noise)
-            after[where] = link.apply(signal[where], a, rng)
-        return after
-
-    def _rng(
-        self,
-        link: Effect,
-        blocks: Sequence[int],
-        draw: int,
-        shape: tuple[int, ...],
-        noise: float,
-    ) -> Generator:
-        if not link.stochastic:
-            return _UNUSED
-        return self.noise.of_effect(link, blocks, draw, shape, noise)
-
-    @cached_property
-    def _kept(self) -> dict[tuple[str, tuple[str, ...], int], tuple[bool, Floats]]:
-        return {}
 
     @cached_property
     def _stacks(self) -> dict[str, Stack]:

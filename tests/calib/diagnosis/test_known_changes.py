@@ -64,7 +64,7 @@ def test_lags_side_by_side_are_those_of_each_stretch_alone() -> None:
     stack = stack.before(lefts)
     signal = rng.uniform(50.0, 900.0, (stack.n_lines, *chain.sensor.sample))
     for noise in (1.0, -1.0, 0.0):
-        together = chain._through(lag, signal, stack, stack.at, 0, noise)
+        together = chain.passage.through(lag, signal, stack, stack.at, 0, noise)
         for b, where, at in zip(stack.blocks, stack.parts, stack.at, strict=True):
             alone = chain.noise.of_effect(lag, (b,), 0, signal[where].shape, noise)
             assert np.array_equal(together[where], lag.apply(signal[where], at, alone))
