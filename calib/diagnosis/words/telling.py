@@ -1,7 +1,7 @@
 """An effect's numbers, ready for a sentence."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,3 +82,7 @@ class Telling:
     def _with_unit(self, text: str, unit: str) -> str:
         printed = printed_unit(unit)
         return f"{text} {printed}" if printed else text
+
+
+Sentence = Callable[[Telling], str]
+"""What an operator is told of an effect."""
