@@ -6,16 +6,14 @@ Each is made from the conditions of the recording at hand. None knows which effe
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
 from numpy.random import default_rng
 
 from calib.diagnosis.deciding.bench import BenchTime, Taken
+from calib.diagnosis.deciding.bench_blocks import BenchBlocks
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.forward.schedule import AMBIENT_C
 from calib.recording.header import Block
 
-MOST_OF_SCALE = 0.9
-"""Of full scale, that the brightest pixel may reach."""
 REPEATS = 6
 """Of a reference block."""
 FEW = 2
@@ -51,35 +49,24 @@ def options(evidence: Evidence, bench: BenchTime) -> tuple[Option, ...]:
 class _Family:
     def __init__(self, evidence: Evidence, bench: BenchTime) -> None:
         self._table, self._bench = evidence.table, bench
-        self._lines = int(np.median(evidence.table.n_lines))
-        self._monitor = 1.0 if bench.has_monitor else None
-        signal = float(np.quantile(evidence.baseline.slope, 0.995))
-        room = MOST_OF_SCALE * evidence.sensor.camera.full_scale_dn
-        self._most_dose = (room - float(np.median(evidence.baseline.offset_dn))) / max(
-            signal, 1e-300
-        )
-        flat = np.array([b.kind != "scene" for b in evidence.table.blocks])
-        lit = (evidence.table.level > 0) & flat
-        self._per_level = float((evidence.table.radiance[lit] / evidence.table.level[lit]).mean())
-        conditions = zip(evidence.table.level, evidence.table.exposure_us, strict=True)
-        self._recorded = set(conditions)
-        self._exposures = sorted({float(t) for t in evidence.table.exposure_us[flat]})
-        self._levels = sorted({float(level) for level in evidence.table.level[lit]})
+        self._blocks = BenchBlocks.of(evidence, reads_monitor=bool(bench.has_monitor))
+        self._lines = self._blocks.lines
+        self._exposures, self._levels = self._blocks.exposures, self._blocks.levels
 
     def darks(self) -> Iterator[Option]:
         shortest, *_, longest = (self._exposures * 2)[: max(2, len(self._exposures))]
-        yield Option("a dark at the longest exposure", (self._dark(longest),))
+        yield Option("a dark at the longest exposure", (self._blocks.dark(longest),))
         if len(self._exposures) > 1:
-            pair = (self._dark(shortest), self._dark(longest))
+            pair = (self._blocks.dark(shortest), self._blocks.dark(longest))
             yield Option("darks at the shortest and the longest exposure", pair)
-            every = tuple(self._dark(t) for t in self._exposures)
+            every = tuple(self._blocks.dark(t) for t in self._exposures)
             yield Option("darks at every exposure", every)
             back = (*reversed(every), *every)
             yield Option("darks at every exposure, down and up again", back)
 
     def orders(self) -> Iterator[Option]:
         """Yield the recording's own conditions in other orders."""
-        seen = self._seen()
+        seen = self._blocks.seen()
         yield Option("the same blocks from the last to the first", tuple(reversed(seen)))
         rising = sorted(seen, key=lambda t: (t.burning, t.block.exposure_us))
         yield Option("the same blocks up and down", (*rising, *reversed(rising)))
@@ -88,7 +75,7 @@ class _Family:
 
     def in_time(self) -> Iterator[Option]:
         """Yield one flat again and again, with a monitor too where there may be one."""
-        flats = [t for t in self._seen() if t.block.kind == "flat"]
+        flats = [t for t in self._blocks.seen() if t.block.kind == "flat"]
         if not flats:
             return
         best = max(flats, key=lambda t: t.burning * t.block.exposure_us)
@@ -109,22 +96,24 @@ class _Family:
         highest = self._bench.max_level or max(self._levels)
         longest = self._exposures[-1]
         for level in sorted({self._levels[0], min(2.0 * self._levels[0], highest), highest}):
-            plan = [self._flat(t, level) for t in self._exposures]
+            plan = [self._blocks.flat(t, level) for t in self._exposures]
             yield Option(f"flats at level {level:g} at all exposures", _whole(plan))
-            if (level, longest) not in self._recorded:
-                one = _whole([self._flat(longest, level)])
+            if (level, longest) not in self._blocks.recorded:
+                one = _whole([self._blocks.flat(longest, level)])
                 yield Option(f"a flat of {longest:g} us at level {level:g}", one)
         level = self._levels[0]
         if 2.0 * level <= highest:
-            pair = _whole([self._flat(longest, level), self._flat(longest / 2, 2.0 * level)])
+            pair = _whole(
+                [self._blocks.flat(longest, level), self._blocks.flat(longest / 2, 2.0 * level)]
+            )
             yield Option("two levels at equal dose", pair)
 
     def darks_and_levels(self) -> Iterator[Option]:
         """Yield a dark and flats at another level."""
-        dark, highest = self._dark(self._exposures[-1]), self._bench.max_level or 0.0
+        dark, highest = self._blocks.dark(self._exposures[-1]), self._bench.max_level or 0.0
         for level in sorted({self._levels[0], min(2.0 * self._levels[0], highest or 1e9), highest}):
             for plan in (self._exposures[-1:], self._exposures):
-                flats = [self._flat(t, level) for t in plan] if level > 0 else [None]
+                flats = [self._blocks.flat(t, level) for t in plan] if level > 0 else [None]
                 what = "a flat" if len(plan) == 1 else "flats at all exposures"
                 taken = _whole([dark, *flats])
                 yield Option(f"a dark at the longest exposure and {what} at level {level:g}", taken)
@@ -135,7 +124,8 @@ class _Family:
         for level in self._levels[-1:]:
             for more in (1, MORE):
                 plan = [
-                    self._scene(t, level, more) for t in (self._exposures[0], self._exposures[-1])
+                    self._blocks.scene(t, level, more)
+                    for t in (self._exposures[0], self._exposures[-1])
                 ]
                 lines = self._lines * more
                 yield Option(f"a bar with edges at two exposures, {lines} lines", _whole(plan))
@@ -144,14 +134,15 @@ class _Family:
         for few in (*self.darks(), *self.levels(), *self.darks_and_levels()):
             if 0 < len(few.plan) <= FEW:
                 yield Option(f"{few.what}, {MORE * self._lines} lines", self._more(few.plan))
-        yield Option(f"the same blocks, {MORE * self._lines} lines", self._more(self._seen()))
+        seen = self._more(self._blocks.seen())
+        yield Option(f"the same blocks, {MORE * self._lines} lines", seen)
 
     def _more(self, plan: Sequence[Taken]) -> tuple[Taken, ...]:
         longer = {"lines": MORE * self._lines}
         return tuple(replace(t, block=t.block.model_copy(update=longer)) for t in plan)
 
     def warmer(self) -> Iterator[Option]:
-        seen = self._seen()
+        seen = self._blocks.seen()
         if not seen:
             return
         known = [b.sensor_temperature_c for b in self._table.blocks]
@@ -160,56 +151,6 @@ class _Family:
         plan = [replace(t, block=t.block.model_copy(update=warm)) for t in seen]
         plan[0] = replace(plan[0], wait_s=600.0)
         yield Option(f"the same blocks with the sensor {WARMER_K:g} K warmer", tuple(plan))
-
-    def _seen(self) -> list[Taken]:
-        """Return each condition of the recording once, in its order."""
-        found: dict[tuple[str, float, float], Taken] = {}
-        burning = self._levels[0]
-        for block in self._table.blocks:
-            if block.kind == "flat":
-                burning = block.level
-                one = self._flat(block.exposure_us, block.level)
-            elif block.kind == "dark":
-                one = self._dark(block.exposure_us, burning)
-            else:
-                continue
-            if one is not None:
-                found.setdefault((block.kind, block.exposure_us, block.level), one)
-        return list(found.values())
-
-    def _dark(self, exposure_us: float, burning: float | None = None) -> Taken:
-        level = self._levels[-1] if burning is None else burning
-        return Taken(self._block("dark", exposure_us, 0.0), level)
-
-    def _flat(self, exposure_us: float, level: float) -> Taken | None:
-        if level * self._per_level * exposure_us > self._most_dose:
-            return None
-        block = self._block("flat", exposure_us, level)
-        return Taken(block.model_copy(update={"monitor": self._reading(level)}), level)
-
-    def _scene(self, exposure_us: float, level: float, more: int) -> Taken | None:
-        flat = self._flat(exposure_us, level)
-        if flat is None:
-            return None
-        changed = {"kind": "scene", "scene": "bar", "monitor": None, "lines": self._lines * more}
-        return replace(flat, block=flat.block.model_copy(update=changed))
-
-    def _reading(self, level: float) -> float | None:
-        """Return what the monitor is expected to read, in proportion to those of that level."""
-        if self._monitor is None:
-            return None
-        known = [b.monitor for b in self._table.blocks if b.monitor and b.level == level]
-        return float(np.mean(known)) if known else self._monitor * level
-
-    def _block(self, kind: str, exposure_us: float, level: float) -> Block:
-        known = [b.sensor_temperature_c for b in self._table.blocks]
-        return Block.model_validate(
-            {
-                "block": "planned", "kind": kind, "exposure_us": float(exposure_us),
-                "level": float(level), "lines": self._lines,
-                "sensor_temperature_c": next((t for t in reversed(known) if t is not None), None),
-            }
-        )  # fmt: skip
 
 
 def _whole(plan: Sequence[Taken | None]) -> tuple[Taken, ...]:
