@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from matplotlib.figure import Figure
 
-from calib.diagnosis.answer.findings import Diagnosis
+from calib.diagnosis.answer.diagnosis import Diagnosis
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.sums.diagnose import diagnose_sums
 from calib.recording.folder_recording import FolderRecording

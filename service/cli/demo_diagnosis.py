@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from calib.diagnosis.answer.amended import amended_model
-from calib.diagnosis.answer.findings import Diagnosis
+from calib.diagnosis.answer.diagnosis import Diagnosis
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.report.page import save_page
 from calib.recording.protocol import Recording

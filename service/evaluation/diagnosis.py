@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from calib.diagnosis.answer.amended import amended_model
-from calib.diagnosis.answer.findings import Diagnosis
+from calib.diagnosis.answer.diagnosis import Diagnosis
 from calib.diagnosis.deciding.decide import decided
 from calib.diagnosis.diagnose import Examination, diagnose
 from calib.diagnosis.recorded.joint import joint

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from calib.diagnosis.answer.findings import Diagnosis
+from calib.diagnosis.answer.diagnosis import Diagnosis
 from calib.diagnosis.deciding.bench import BenchTime
 from calib.diagnosis.deciding.decide import next_measurement
 from calib.diagnosis.deciding.rivals import is_open

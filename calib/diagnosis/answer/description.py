@@ -11,7 +11,7 @@ import numpy as np
 from numpy.polynomial.legendre import legvander
 from numpy.typing import NDArray
 
-from calib.diagnosis.answer.findings import Where
+from calib.diagnosis.answer.finding import Where
 from calib.diagnosis.answer.locate import columns_of, where
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.model import Model

@@ -6,7 +6,7 @@ from math import sqrt
 import numpy as np
 
 from calib.diagnosis.answer.estimate import Estimate
-from calib.diagnosis.answer.findings import Finding, NamedCandidate
+from calib.diagnosis.answer.finding import Finding, NamedCandidate
 from calib.diagnosis.answer.locate import locate
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.contest import Contest, contribution

@@ -14,6 +14,18 @@ from calib.forward.effect import Effect, Stage
 
 Floats = NDArray[np.float64]
 
+BASELINE = (
+    "illumination",
+    "vignette",
+    "responsivity",
+    "shot_noise",
+    "full_well",
+    "read_noise",
+    "offset",
+    "adc",
+)
+"""Names of all links of the plain model, in physical order: some are fitted together."""
+
 
 class FittedLink(Effect):
     """A link whose values are arrays, taken from a recording: no file holds them, none is checked.

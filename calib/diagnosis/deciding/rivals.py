@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 
-from calib.diagnosis.answer.findings import AMBIGUOUS, Finding
-from calib.diagnosis.diagnose import Examination, responder_of
+from calib.diagnosis.answer.diagnosis import AMBIGUOUS
+from calib.diagnosis.answer.finding import Finding
+from calib.diagnosis.diagnose import Examination
 from calib.diagnosis.naming.contest import Contest, contribution
 from calib.diagnosis.naming.model import Member
 from calib.diagnosis.naming.scores import scores
 from calib.diagnosis.naming.signatures import retaken
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.departure import Departure
 from calib.forward.parameter import parameters_of
 

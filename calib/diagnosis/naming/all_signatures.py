@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.shapes import Shape
+from calib.diagnosis.naming.shape import Shape
 from calib.diagnosis.naming.signatures import Signature, signature
 from calib.diagnosis.simulation.response import Responder
 

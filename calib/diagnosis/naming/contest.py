@@ -21,7 +21,7 @@ from calib.diagnosis.naming.freeing import with_free_law
 from calib.diagnosis.naming.model import Member, Model
 from calib.diagnosis.naming.refit import misfit, refitted
 from calib.diagnosis.naming.scores import Score, best_by_name, scores, sharpened
-from calib.diagnosis.naming.shapes import Shape
+from calib.diagnosis.naming.shape import Shape
 from calib.diagnosis.naming.signatures import Signature
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.statistics.change import Change

@@ -7,19 +7,13 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
-from calib.diagnosis.naming.reproduced import reproduced
-from calib.diagnosis.naming.shapes import Shape
-from calib.diagnosis.recorded.monitor import light_change
-from calib.diagnosis.simulation.events import change_of_events, density_of
-from calib.diagnosis.simulation.fault_change import change_of_faults, no_change
+from calib.diagnosis.naming.changes import change_of, needs_two_draws
+from calib.diagnosis.naming.shape import Shape
+from calib.diagnosis.simulation.events import density_of
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.sampled_lines import is_tone
-from calib.diagnosis.simulation.with_values import with_values
 from calib.diagnosis.statistics.change import Change
 from calib.forward.code_fault import CodeFault
-from calib.forward.departure import Departure
-from calib.forward.effect import Stage
-from calib.forward.parameter import parameters_of
 
 Floats = NDArray[np.float64]
 
@@ -27,8 +21,8 @@ AIM = 12.0
 """Strengths are chosen so that signatures are about so many standard deviations long."""
 NEAR = 20.0
 """Lengths that differ from that by less than this factor do."""
-TOLD = ("pixels", "widths_dn")
-"""Parameters that tell what a pattern's seed would draw."""
+TRIALS = 3
+"""Of strengths."""
 FEWEST_SIGMA = 1e-2
 """A signature shorter than this is rounding."""
 
@@ -61,10 +55,26 @@ def signature(
 
     The search begins at the strength `start`.
     """
-    strength, found = start, None
+    found, tried = _first_look(shape, evidence, responder, start)
+    if found.length < FEWEST_SIGMA:
+        return None
+    if needs_two_draws(found.shape.at(found.strength), responder):
+        found = _taken(shape, found.strength, evidence, responder, first=found.change)
+    if found.length < FEWEST_SIGMA:
+        return None
+    power = 1.0 if shape.two_sided or shape.fixed else _power(tried)
+    if _is_whitened_along_a_curve(shape, responder):
+        power = _power_here(found, evidence, responder)
+    return replace(found, power=power)
+
+
+def _first_look(
+    shape: Shape, evidence: Evidence, responder: Responder, start: float
+) -> tuple[Signature, list[tuple[float, float]]]:
+    """Return one draw at about the strength that is wanted, and (strength, length) of all tried."""
+    strength, kept = start, None
     tried: list[tuple[float, float]] = []
-    kept: Signature | None = None
-    for _ in range(3):
+    for _ in range(TRIALS):
         found = _taken(shape, strength, evidence, responder, once=True)
         tried.append((strength, found.length))
         # Rare events do not happen in a few lines where they are as rare as wanted.
@@ -77,18 +87,7 @@ def signature(
         strength *= float(np.clip(grow, 1e-4, 1e3))
         if shape.at(strength) == shape.at(tried[-1][0]):
             break
-    if found is not None and found.length < AIM / NEAR and kept is not None:
-        found = kept
-    if found is None or found.length < FEWEST_SIGMA:
-        return None
-    if needs_two_draws(found.shape.at(found.strength), responder):
-        found = _taken(shape, found.strength, evidence, responder, first=found.change)
-    if found.length < FEWEST_SIGMA:
-        return None
-    power = 1.0 if shape.two_sided or shape.fixed else _power(tried)
-    if _is_whitened_along_a_curve(shape, responder):
-        power = _power_here(found, evidence, responder)
-    return Signature(shape, found.strength, found.change, found.point, found.length, power)
+    return (kept if kept is not None and found.length < AIM / NEAR else found), tried
 
 
 def retaken(
@@ -146,95 +145,3 @@ def _taken(
     point = evidence.point(change)
     length = float(np.sqrt(max(evidence.product(point, point), 0.0)))
     return Signature(shape, strength, change, point, length, 1.0)
-
-
-def needs_two_draws(effect: Departure, responder: Responder) -> bool:
-    """Return whether chance has a part in what one draw shows of an effect."""
-    coded = effect.stage >= Stage.CODES and not isinstance(effect, CodeFault)
-    return coded or responder.chain.has_events(effect) or _other_pattern(effect) != effect
-
-
-def change_of(
-    effects: tuple[Departure, ...],
-    evidence: Evidence,
-    responder: Responder,
-    *,
-    once: bool = False,
-    first: Change | None = None,
-) -> Change:
-    """Return what effects change; what is left to chance is taken twice, and compared.
-
-    Not so where `once`, which tells the size of a change and no more; what that gave may be told
-    as `first`.
-    """
-    if once or first is not None:
-        return _simulated(effects, evidence, responder, once=once, first=first)
-    # One responder serves one evidence.
-    key = (effects, responder.links_key)
-    return responder.known.of(key, lambda: _simulated(effects, evidence, responder))
-
-
-def _simulated(
-    effects: tuple[Departure, ...],
-    evidence: Evidence,
-    responder: Responder,
-    *,
-    once: bool = False,
-    first: Change | None = None,
-) -> Change:
-    faults = tuple(effect for effect in effects if isinstance(effect, CodeFault))
-    if faults:
-        others = tuple(effect for effect in effects if effect not in faults)
-        change = (
-            change_of(others, evidence, responder, once=once)
-            if (others or responder.plain is not None)
-            else no_change(evidence)
-        )
-        return _with_misfit(change + change_of_faults(faults, change, evidence), evidence)
-    dense = {e: density for e in effects if (density := density_of(e, responder)) is not None}
-    if dense:
-        parts = [change_of_events(e, density, responder) for e, density in dense.items()]
-        others = tuple(e for e in effects if e not in dense)
-        if others or responder.plain is not None:
-            parts.append(change_of(others, evidence, responder, once=once))
-        return _with_misfit(sum(parts[1:], parts[0]), evidence)
-    coded = any(effect.stage >= Stage.CODES for effect in effects)
-    if first is None:
-        first = _with_misfit(responder.change(effects), evidence)
-    others = effects if coded else tuple(_other_pattern(effect) for effect in effects)
-    if not once and any(needs_two_draws(effect, responder) for effect in effects):
-        exact = not any(e.stochastic or _other_pattern(e) != e for e in effects)
-        second, moved = responder.change(others, draw=1), responder.moved_dn
-        sure = _without_chance(effects, evidence, responder)
-        first = reproduced(first, second, evidence, moved, sure, exact=exact)
-        if others == effects and not coded:
-            # Events of single lines are no property of a pixel, however few lines are drawn.
-            nothing = np.zeros_like(first.pixel_misfit)
-            first = replace(first, pixel_misfit=nothing, pixel_variance=nothing)
-    return replace(first, monitor=light_change(effects, evidence.table))
-
-
-def _without_chance(
-    effects: tuple[Departure, ...], evidence: Evidence, responder: Responder
-) -> Floats:
-    """Return what links that moved, and effects in which chance has no part, do to the means."""
-    sure = tuple(effect for effect in effects if not needs_two_draws(effect, responder))
-    return change_of(sure, evidence, responder).means if sure else responder.moved_dn
-
-
-def _with_misfit(change: Change, evidence: Evidence) -> Change:
-    """Return the change with what it does to single pixels, whose places nobody knows."""
-    misfit = evidence.misfit(change.means, observed=False)
-    return replace(change, pixel_misfit=misfit)
-
-
-def _other_pattern(effect: Departure) -> Departure:
-    """Return the effect on another sensor of its kind: the places of its pixels are unknown.
-
-    Where they are told, it is the same.
-    """
-    told = parameters_of(type(effect))
-    if any(getattr(effect, name) for name in TOLD if name in told):
-        return effect
-    seeds = {n: getattr(effect, n) + 1 for n in parameters_of(type(effect)) if n.endswith("seed")}
-    return with_values(effect, seeds) if seeds else effect

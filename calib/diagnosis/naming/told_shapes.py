@@ -14,7 +14,7 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.far_credit import TAIL_NOISES, far_credit
 from calib.diagnosis.naming.jumping_shapes import jumping_shapes
 from calib.diagnosis.naming.repeated import repeated_shapes
-from calib.diagnosis.naming.shapes import Shape
+from calib.diagnosis.naming.shape import Shape
 from calib.diagnosis.naming.turning_shapes import turning_shapes
 from calib.forward.effects.adc_dnl import AdcDnl
 from calib.forward.effects.adc_inl import AdcInl

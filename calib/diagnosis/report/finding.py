@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 from calib.diagnosis.answer.absorbed import Absorbed
-from calib.diagnosis.answer.findings import AMBIGUOUS, Finding
+from calib.diagnosis.answer.diagnosis import AMBIGUOUS
+from calib.diagnosis.answer.finding import Finding
 from calib.diagnosis.words.apart import apart
 from calib.diagnosis.words.verdict import either_of, spoken
 from calib.report.rounded import number, printed_unit, quantity

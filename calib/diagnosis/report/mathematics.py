@@ -3,7 +3,7 @@
 import inspect
 from collections.abc import Sequence
 
-from calib.diagnosis.answer.findings import AMBIGUOUS
+from calib.diagnosis.answer.diagnosis import AMBIGUOUS
 from calib.diagnosis.naming.heldout import FOLDS
 from calib.diagnosis.naming.remainder import CERTAIN_SIGMA
 from calib.diagnosis.naming.search import THRESHOLD

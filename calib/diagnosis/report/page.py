@@ -9,7 +9,7 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
-from calib.diagnosis.answer.findings import Diagnosis
+from calib.diagnosis.answer.diagnosis import Diagnosis
 from calib.diagnosis.diagnose import Examination
 from calib.diagnosis.naming.shapes import departures
 from calib.diagnosis.report.compared import Compared

@@ -13,17 +13,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.answer.diagnosis import Diagnosis, Fit, Unexplained
 from calib.diagnosis.answer.figures import Figures
-from calib.diagnosis.answer.findings import (
-    Diagnosis,
-    Finding,
-    Fit,
-    NamedCandidate,
-    Unexplained,
-    Where,
-)
+from calib.diagnosis.answer.finding import Finding, NamedCandidate, Where
 from calib.diagnosis.answer.locate import placed
-from calib.diagnosis.diagnose import BASELINE
+from calib.diagnosis.baseline.fitted_links import BASELINE
 from calib.diagnosis.naming.heldout import HeldOut
 from calib.diagnosis.naming.remainder import CERTAIN_SIGMA
 from calib.diagnosis.sums import words

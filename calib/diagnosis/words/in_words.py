@@ -3,8 +3,9 @@
 from dataclasses import replace
 
 from calib.diagnosis.answer.amended import beside
+from calib.diagnosis.answer.diagnosis import Diagnosis
 from calib.diagnosis.answer.empirical import empirical_term
-from calib.diagnosis.answer.findings import Diagnosis, Finding
+from calib.diagnosis.answer.finding import Finding
 from calib.diagnosis.answer.hidden import absorbed_of, hid_as
 from calib.diagnosis.answer.radiance_check import radiance_error
 from calib.diagnosis.evidence.evidence import Evidence

@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from calib.diagnosis.answer.findings import Diagnosis, Finding
+from calib.diagnosis.answer.diagnosis import Diagnosis
+from calib.diagnosis.answer.finding import Finding
 
 NAMES = {"cti": "charge transfer inefficiency", "adc_inl": "integral nonlinearity",
     "adc_dnl": "differential nonlinearity", "rts_pixels": "random telegraph signal",

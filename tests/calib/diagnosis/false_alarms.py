@@ -10,10 +10,11 @@ from secrets import randbits
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.diagnose import responder_of, signatures_of
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.looked_for import signatures_of
 from calib.diagnosis.naming.remainder import worst
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.model import Model as ForwardModel
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 

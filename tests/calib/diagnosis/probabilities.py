@@ -19,10 +19,11 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.diagnosis.diagnose import diagnose, responder_of
+from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.judgement import Explained, explained_by, told
 from calib.diagnosis.naming.template_error import TEMPLATE_ERROR, temper
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.recording.open import open_recording
 from tests.concealed.generator.answer import take_case
 from tests.concealed.generator.folder import write_folder

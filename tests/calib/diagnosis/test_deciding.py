@@ -17,10 +17,11 @@ from calib.diagnosis.deciding.reduced import reduced
 from calib.diagnosis.deciding.rivals import Rivals, is_open, rivals_of
 from calib.diagnosis.deciding.separation import distance
 from calib.diagnosis.deciding.testable import newly_testable
-from calib.diagnosis.diagnose import Examination, examine, responder_of
+from calib.diagnosis.diagnose import Examination, examine
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.growing import Growing
-from calib.diagnosis.naming.signatures import change_of
+from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.statistics.tones import Peak
 from calib.forward.departure import Departure
 from calib.forward.effect import Effect

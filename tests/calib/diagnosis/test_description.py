@@ -7,7 +7,7 @@ from numpy.random import default_rng
 
 from calib.arrays import Columns
 from calib.diagnosis.answer.description import describe
-from calib.diagnosis.answer.findings import Where
+from calib.diagnosis.answer.finding import Where
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.remainder import worst

@@ -7,9 +7,10 @@ import pytest
 from numpy.random import Generator, default_rng
 from scipy.stats import chi2
 
-from calib.diagnosis.diagnose import examine, responder_of
+from calib.diagnosis.diagnose import examine
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.signatures import change_of
+from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.statistics.pooled import settled
 from calib.forward.effect import Effect
 from calib.forward.effects.exposure_jitter import ExposureJitter

@@ -3,9 +3,9 @@ from functools import cache
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.diagnose import responder_of
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.known import Known, beside, known_departures
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.effects.nonlinearity import Nonlinearity
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 

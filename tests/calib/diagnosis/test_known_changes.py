@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from calib.diagnosis.diagnose import responder_of
-from calib.diagnosis.naming.signatures import change_of
+from calib.diagnosis.naming.changes import change_of
 from calib.diagnosis.simulation import known_changes
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.simulation.known_changes import KnownChanges
 from calib.diagnosis.statistics.change import Change
 from calib.forward.effects.lag import Lag

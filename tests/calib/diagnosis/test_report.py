@@ -11,12 +11,14 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from calib.diagnosis.answer.findings import NamedCandidate, Unexplained, Where
+from calib.diagnosis.answer.diagnosis import Unexplained
+from calib.diagnosis.answer.finding import NamedCandidate, Where
 from calib.diagnosis.answer.radiance_check import radiance_error
 from calib.diagnosis.baseline.requirements import check_can_be_diagnosed
-from calib.diagnosis.diagnose import Examination, responder_of, scales_of
+from calib.diagnosis.diagnose import Examination
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.looked_for import scales_of
 from calib.diagnosis.naming.search import find
 from calib.diagnosis.naming.shapes import shapes_of
 from calib.diagnosis.naming.signatures import signature
@@ -24,6 +26,7 @@ from calib.diagnosis.report.compared import Compared
 from calib.diagnosis.report.groups import groups_of
 from calib.diagnosis.report.page import page, page_of_undiagnosed
 from calib.diagnosis.report.panel import Group
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.words.verdict import first_sentence
 from calib.errors import NotDeterminedError
 from calib.forward.drift import settled

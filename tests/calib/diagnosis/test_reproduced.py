@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.diagnose import responder_of
 from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.changes import change_of
 from calib.diagnosis.naming.reproduced import PIECES, reproduced
-from calib.diagnosis.naming.signatures import change_of
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.effects.saturation_knee import SaturationKnee
 from calib.forward.effects.tap_gain_drift import TapGainDrift
 from calib.recording.header import Block

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.diagnose import responder_of
 from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.simulation.sampled_lines import sampled_lines
 from calib.diagnosis.statistics.tones import Peak
 from calib.forward.effects.persistence import Persistence

@@ -1,4 +1,5 @@
-from calib.diagnosis.naming.shapes import Scales, shapes_of
+from calib.diagnosis.naming.grids import Scales
+from calib.diagnosis.naming.shapes import shapes_of
 from calib.forward.effects.banding import Banding
 from calib.forward.effects.black_clip import BlackClip
 from calib.recording.header import CameraHeader

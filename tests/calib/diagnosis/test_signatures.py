@@ -8,9 +8,9 @@ import pytest
 from numpy.random import default_rng
 from scipy.stats import chi2
 
-from calib.diagnosis.diagnose import responder_of
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.signatures import change_of
+from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.departure import Departure
 from calib.forward.effects.black_clip import BlackClip
 from calib.forward.effects.brighter_fatter import BrighterFatter

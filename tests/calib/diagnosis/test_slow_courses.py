@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.diagnose import responder_of
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.search import find
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.effects.persistence import Persistence
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 from tests.calib.diagnosis.test_search import contest_of

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from calib.diagnosis.diagnose import responder_of
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.signatures import change_of
+from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.simulation.opposite_tone import opposite_tone
 from calib.forward.effects.banding import Banding
 from calib.forward.effects.lag import Lag

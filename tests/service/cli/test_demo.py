@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from calib.diagnosis.answer.findings import Diagnosis
+from calib.diagnosis.answer.diagnosis import Diagnosis
 from calib.forward.model import Model
 from calib.radiometric.coefficients.coefficient_set import CoefficientSet
 from calib.recording.open import open_recording
