@@ -9,8 +9,9 @@ from contextlib import contextmanager
 def for_good() -> Iterator[None]:
     """Collect no garbage inside, and never look through what is there at the end.
 
-    While a service's modules come in, looking for garbage takes 0.45 of 1.9 s of processor time; to
-    look through all of them once more, before the server begins, another 0.3 s.
+    A service's modules and routes are a quarter of a million objects. While they come in, looking
+    for garbage takes 0.45 of 1.9 s of processor time. Later no thread goes on while Python looks
+    whether one of them became garbage, and every answer would wait: 0.2 s every 12 s under load.
     """
     gc.disable()
     try:

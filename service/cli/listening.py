@@ -1,6 +1,5 @@
 """One server in one process, until somebody stops it."""
 
-import gc
 import ipaddress
 import socket
 
@@ -55,18 +54,7 @@ def serve_until_stopped(app: FastAPI, listening: socket.socket, log: LogForm = "
         access_log=False,
         timeout_graceful_shutdown=5,
     )
-    _spare_what_stays()
     try:
         uvicorn.Server(config).run(sockets=[listening])
     except (StoppedError, KeyboardInterrupt):
         return  # uvicorn has closed everything and passes the signal on: a good end
-
-
-def _spare_what_stays() -> None:
-    """Let no collection of garbage look any more at what is there by now: it stays until the end.
-
-    Modules and routes are a quarter of a million objects. While Python looks whether one of them
-    became garbage no thread goes on, and every answer waits: 0.2 s every 12 s under load.
-    """
-    gc.collect()
-    gc.freeze()
