@@ -14,6 +14,8 @@ import numpy as np
 from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
 
+from calib.diagnosis.statistics.few_samples import lagged_covariance
+
 Floats = NDArray[np.float64]
 
 SETS = 32
@@ -79,7 +81,7 @@ def _sequences(n_lines: int) -> Floats:
     tried *= np.sqrt((n_lines - 1) / (tried**2).sum(axis=1, keepdims=True))
     miss = np.zeros(len(tried))
     for lag in range(1, min(4, n_lines)):
-        miss += ((tried[:, lag:] * tried[:, :-lag]).mean(axis=1) + 1.0 / n_lines) ** 2
+        miss += (lagged_covariance(tried, lag) + 1.0 / n_lines) ** 2
     found = tried[np.argsort(miss)[:SEQUENCES]]
     found.flags.writeable = False
     return np.asarray(found)

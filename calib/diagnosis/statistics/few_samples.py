@@ -1,4 +1,6 @@
-"""Variances told by few samples as normal numbers: chi-squared of few degrees is skewed.
+"""Variances and covariances of few samples: how many numbers tell them, and how they scatter.
+
+Chi-squared of few degrees of freedom is skewed: variances are made normal numbers.
 
 Source: Wilson and Hilferty, The distribution of chi-square, PNAS 17, 684 (1931): its cube root is
 normal, nearly.
@@ -31,12 +33,23 @@ def excess_as_normal(ratio: Floats, freedom: float) -> Floats:
     return np.asarray(z / np.sqrt(freedom / 2.0))
 
 
+def pairs_of(n: int, lag: int) -> int:
+    """Return how many pairs of `n` lines are `lag` apart; 1 where there is none."""
+    return max(n - lag, 1)
+
+
+def lagged_covariance(values: Floats, lag: int) -> Floats:
+    """Return the covariance of lines, or frames, `lag` apart, of residuals (..., n_lines)."""
+    products = values[..., lag:] * values[..., :-lag]
+    return np.asarray(products.sum(axis=-1) / pairs_of(values.shape[-1], lag))
+
+
 def lagged_variance(n: int, lag: int) -> float:
     """Return the variance of a covariance between lines `lag` apart, of unit variance each.
 
-    It is the sum of products of residuals about the mean of `n` lines, over n - lag: a quadratic
-    form, whose variance is 2 tr((S P)^2), S the shift's symmetric part and P what takes the mean
-    off. Of many lines that is 1 / (n - lag).
+    `lagged_covariance` of residuals about the mean of `n` lines is a quadratic form, whose variance
+    is 2 tr((S P)^2), S the shift's symmetric part and P what takes the mean off. Of many lines that
+    is 1 / (n - lag).
     """
     if n >= FEW:
         return 1.0 / (n - lag)

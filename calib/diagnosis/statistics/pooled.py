@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.counts import Counts, grouped
+from calib.diagnosis.statistics.few_samples import lagged_covariance, pairs_of
 from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS, ResidualProducts
 
 Floats = NDArray[np.float64]
@@ -100,9 +101,8 @@ def pooled(  # noqa: PLR0917 - all that they depend on
         total = grouped(products.columns[..., k, :, :], sensor) / (n - 1)
         of[f"columns_{k + 1}"] = total / np.maximum(counts.columns[k], 1.0)
     for k in range(LINE_LAGS):
-        of[f"lines_{k + 1}"] = (
-            grouped(products.lines[..., k, :, :], sensor) / max(n - 1 - k, 1) / some
-        )
+        total = grouped(products.lines[..., k, :, :], sensor) / pairs_of(n, k + 1)
+        of[f"lines_{k + 1}"] = total / some
     return Pooled(of)
 
 
@@ -126,9 +126,9 @@ def _common(line_means: Floats, first: int, counts: Counts) -> dict[str, Floats]
     down = along.mean(axis=-1)
     if n_rows > 1:
         of_rows = (along[..., 1:] * along[..., :-1]).sum(axis=(-2, -1))
-        lagged = [of_rows / ((n - 1) * (n_rows - 1)), _lagged(down, 1)]
+        lagged = [of_rows / ((n - 1) * (n_rows - 1)), lagged_covariance(down, 1)]
     else:
-        lagged = [_lagged(down, 1), _lagged(down, 2)]
+        lagged = [lagged_covariance(down, 1), lagged_covariance(down, 2)]
     cross = [
         (centred[..., a] * centred[..., b]).sum(axis=(-2, -1)) / ((n - 1) * rows)
         for (a, b), rows in counts.shared_rows.items()
@@ -140,9 +140,3 @@ def _common(line_means: Floats, first: int, counts: Counts) -> dict[str, Floats]
         "common_1": np.asarray(lagged[0])[..., None],
         "common_2": np.asarray(lagged[1])[..., None],
     }
-
-
-def _lagged(means: Floats, lag: int) -> Floats:
-    """Return the covariance of lines, or frames, `lag` apart, of means (..., n)."""
-    pairs = max(means.shape[-1] - lag, 1)
-    return np.asarray((means[..., lag:] * means[..., :-lag]).sum(axis=-1) / pairs)

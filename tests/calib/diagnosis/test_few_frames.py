@@ -12,7 +12,11 @@ from calib.diagnosis.naming.remainder import Look
 from calib.diagnosis.recorded.conditions_table import conditions_table
 from calib.diagnosis.recorded.limits import limits
 from calib.diagnosis.recorded.sensor import Sensor
-from calib.diagnosis.statistics.few_samples import excess_as_normal, lagged_variance
+from calib.diagnosis.statistics.few_samples import (
+    excess_as_normal,
+    lagged_covariance,
+    lagged_variance,
+)
 from calib.diagnosis.statistics.gather import gather
 from calib.errors import NotDeterminedError
 from calib.recording.folder_recording import FolderRecording
@@ -116,7 +120,9 @@ def test_single_frames_are_refused(tmp_path: Path) -> None:
 def test_covariances_of_few_lines_scatter_as_the_quadratic_form_has_it(n: int, lag: int) -> None:
     lines = np.random.default_rng(n).standard_normal((40_000, n))
     centred = lines - lines.mean(axis=1, keepdims=True)
-    found = (centred[:, lag:] * centred[:, :-lag]).sum(axis=1) / (n - lag)
+    found = lagged_covariance(centred, lag)
+    # Residuals about the mean of n lines covary by -1/n.
+    assert abs(found.mean() + 1.0 / n) < 4.0 * found.std() / np.sqrt(len(found))
     # The variance of a variance, by the fourth moments that were drawn.
     spread = np.sqrt(np.var((found - found.mean()) ** 2) / len(found))
     assert abs(found.var() - lagged_variance(n, lag)) < 4.0 * spread
