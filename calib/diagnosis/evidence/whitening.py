@@ -60,6 +60,8 @@ class Whitening:
         if self.codes is not None:
             sizes |= {"steps": 2 * N_STEPS, "codes": self.codes.n_numbers}
         sizes["tones"] = self.tones.seen_dn2.size
+        if self.codes is not None:
+            sizes["monitor"] = len(self.n)
         found, start = {}, 0
         for kind, size in sizes.items():
             found[kind] = slice(start, start + size)
@@ -111,3 +113,14 @@ class Whitening:
     def product(self, one: Point, other: Point) -> float:
         """Return the inner product."""
         return self.means.product(one.means, other.means) + float(one.rest @ other.rest)
+
+    def energies(self, point: Point) -> dict[str, float]:
+        """Return the squared length of a point in each kind of statistic, by its name."""
+        found = {"mean": max(self.means.product(point.means, point.means), 0.0)}
+        pooled = point.rest[self.places["pooled"]].reshape(self.pooled.std.shape)
+        for kind, where in self.pooled.places.items():
+            found[kind] = float((pooled[:, where] ** 2).sum())
+        for kind, where in self.places.items():
+            if kind != "pooled":
+                found[kind] = float((point.rest[where] ** 2).sum())
+        return found

@@ -56,14 +56,4 @@ def _along(direction: Point, moved: Floats, evidence: Evidence) -> float:
 
 def energies(point: Point, evidence: Evidence) -> Floats:
     """Return the squared length of a point in each kind of statistic, (n_kinds,)."""
-    n = evidence.pooled.std.size
-    pooled = point.rest[:n].reshape(evidence.pooled.std.shape)
-    found = [max(evidence.space.product(point.means, point.means), 0.0)]
-    found += [float((pooled[:, where] ** 2).sum()) for where in evidence.pooled.places.values()]
-    end = n
-    for kind, where in evidence.whitening.places.items():
-        if kind != "pooled":
-            found.append(float((point.rest[where] ** 2).sum()))
-            end = max(end, where.stop)
-    found.append(float((point.rest[end:] ** 2).sum()))
-    return np.array(found)
+    return np.array([*evidence.whitening.energies(point).values()])

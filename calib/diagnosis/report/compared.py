@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.diagnose import Examination
+from calib.diagnosis.evidence.standing_out import N_STEPS
 from calib.diagnosis.recorded.sensor import STRETCHES
 from calib.diagnosis.statistics.counts import grouped
 
@@ -84,33 +85,23 @@ class Compared:
 
     def energies(self) -> dict[str, tuple[float, float]]:
         """Return by kind of statistic the squared residuals before and after, less chance's."""
-        evidence, model = self.examined.evidence, self.examined.model
-        first, last = model.first, model.residual
-        freedom = float(evidence.space.degrees_of_freedom)
-        found = {
-            "mean": (
-                evidence.space.product(first.means, first.means) - freedom,
-                evidence.space.product(last.means, last.means) - freedom,
-            )
+        model, whitening = self.examined.model, self.examined.evidence.whitening
+        before, after = (whitening.energies(each) for each in (model.first, model.residual))
+        chance = self._chance()
+        return {
+            kind: (energy - chance.get(kind, 0.0), after[kind] - chance.get(kind, 0.0))
+            for kind, energy in before.items()
         }
-        shape = evidence.pooled.std.shape
-        n = evidence.pooled.std.size
-        both = [p.rest[:n].reshape(shape) for p in (first, last)]
-        for kind, where in evidence.pooled.places.items():
-            used = float(np.isfinite(evidence.pooled.std[:, where]).sum())
-            energy = [float((each[:, where] ** 2).sum()) - used for each in both]
-            found[kind] = (energy[0], energy[1])
-        blocks = evidence.n_blocks
-        ends = np.cumsum([0, 3 * blocks, 4 * blocks, 15, 9])
-        for k, (kind, used) in enumerate(
-            (("onset", 3.0 * (blocks - 1)), ("rare", 4.0 * blocks), ("pixels", 5.0), ("codes", 9.0))
-        ):
-            part = slice(n + ends[k], n + ends[k + 1])
-            energy = [float((p.rest[part] ** 2).sum()) - used for p in (first, last)]
-            found[kind] = (energy[0], energy[1])
-        tones = slice(n + ends[-1], None)
-        found["tones"] = (
-            float((first.rest[tones] ** 2).sum()),
-            float((last.rest[tones] ** 2).sum()),
-        )
-        return found
+
+    def _chance(self) -> dict[str, float]:
+        """Return what chance gives of a squared residual, by kind of statistic."""
+        evidence, pooled = self.examined.evidence, self.examined.evidence.pooled
+        found = {"mean": float(evidence.space.degrees_of_freedom)}
+        for kind, where in pooled.places.items():
+            found[kind] = float(np.isfinite(pooled.std[:, where]).sum())
+        return found | {
+            "onset": float(np.isfinite(evidence.onset_std).sum()),
+            "rare": float(evidence.rare_space.n_seen),
+            "steps": 2.0 * N_STEPS,
+            "codes": float(evidence.code_counts.n_numbers),
+        }

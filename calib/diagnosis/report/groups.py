@@ -63,7 +63,7 @@ def groups_of(seen: Compared) -> tuple[tuple[Group, ...], tuple[Group, ...]]:
     if diagnosis.unexplained is not None:
         follows = (*diagnosis.unexplained.where.depends_on, *follows)
     groups = [
-        *means_groups(seen, follows, weight("mean", "pixels")),
+        *means_groups(seen, follows, weight("mean", "steps")),
         noise_group(seen, weight("variance", "kurtosis")),
         neighbours_group(
             seen, weight(*(f"columns_{k + 1}" for k in range(COLUMN_LAGS)), "rows", "partners")

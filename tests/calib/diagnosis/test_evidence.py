@@ -1,3 +1,4 @@
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -51,6 +52,27 @@ def test_means_scatter_as_much_as_their_weights_say() -> None:
         point = evidence.point(evidence.observed())
         freedom = evidence.space.degrees_of_freedom
         assert abs(float((point.means**2).sum()) - freedom) < 5.0 * np.sqrt(2.0 * freedom)
+
+
+def test_what_changes_in_one_kind_of_statistic_has_its_length_there_alone() -> None:
+    rng = default_rng()
+    evidence = recorded(plain_model(128), plan(rng, 60), rng)
+    seen = evidence.observed()
+    whole = evidence.whitening.energies(evidence.point(seen))
+    assert sum(whole.values()) == pytest.approx(evidence.product(*(evidence.point(seen),) * 2))
+    # Two draws without codes: what chance roughens in one recording is no change.
+    nothing = replace(seen * 0.0, codes=np.zeros((2, 1)))
+    changed = {
+        "mean": {"means": seen.means},
+        "onset": {"onset": np.ones_like(seen.onset)},
+        "rare": {"rare": np.ones_like(seen.rare)},
+        "steps": {"pixel_misfit": np.where(np.arange(128) < 3, 20.0, 0.1)},
+        "codes": {"codes": np.tile(seen.codes, (2, 1))},
+    }
+    for kind, parts in changed.items():
+        one = evidence.whitening.energies(evidence.point(replace(nothing, **parts)))
+        assert one.pop(kind) > 0.0
+        assert not any(one.values()), kind
 
 
 def bars(n_columns: int) -> Columns:
