@@ -127,10 +127,19 @@ def expected_sums(b: int, base: Baseline, table: ConditionsTable, sensor: Sensor
         nothing, np.zeros((LINE_LAGS, *shape)), np.zeros((len(sensor.partner), *shape)),
         np.zeros((n, sensor.n_rows, sensor.n_taps)), np.zeros(shape, np.int64),
     )  # fmt: skip
-    step = max(1, sensor.n_pixels // MOST_PIXELS)
-    mean, std = base.mean_dn[b].ravel()[::step], np.sqrt(variance.ravel()[::step])
-    counts = expected_histogram(mean, std, float(n * step), sensor.camera.full_scale_dn + 1)
     return BlockSums(
         n, base.mean_dn[b], nothing, variance, products, np.sqrt(variance), RareEvents.none(),
-        np.round(counts).astype(np.int64), np.zeros((1, 1), np.float32), 0,
+        np.stack([_by_code(n, base.mean_dn[b], variance, sensor.tap == tap, sensor)
+                  for tap in range(sensor.n_taps)]),
+        np.zeros((1, 1), np.float32), 0,
     )  # fmt: skip
+
+
+def _by_code(
+    n: int, mean: Floats, variance: Floats, of_tap: NDArray[np.bool_], sensor: Sensor
+) -> NDArray[np.int64]:
+    """Return how often a tap's pixels are expected to give each code, (n_codes,)."""
+    step = max(1, int(of_tap.sum()) // MOST_PIXELS)
+    some, std = mean[of_tap][::step], np.sqrt(variance[of_tap][::step])
+    counts = expected_histogram(some, std, float(n * step), sensor.camera.full_scale_dn + 1)
+    return np.round(counts).astype(np.int64)

@@ -30,7 +30,6 @@ class Scales:
         line_period_s: From line to line.
         most_e: The largest mean charge.
         radiance: The largest radiance.
-        lowest_dn: The lowest code that was seen.
         tones_hz: Frequencies that stand out of the spectrum.
         n_lines: Of a block.
     """
@@ -40,7 +39,6 @@ class Scales:
     line_period_s: float
     most_e: float
     radiance: float
-    lowest_dn: int
     tones_hz: tuple[float, ...]
     n_lines: int = 1
 
@@ -107,8 +105,6 @@ def _whole(name: str, value: int, told: Parameter, scales: Scales) -> tuple[obje
         return (value,)
     if told.unit == "bit":
         return tuple(range(min(scales.camera.bit_depth, 8)))
-    if told.unit == "DN":
-        return (scales.lowest_dn,)
     if told.high - told.low <= 4:
         return tuple(range(int(told.low), int(told.high) + 1))
     return (value,)

@@ -19,7 +19,6 @@ Progress = Callable[[float], None]
 def scales_of(evidence: Evidence, responder: Responder) -> Scales:
     """Return the sizes of the recording."""
     table = evidence.table
-    seen = np.flatnonzero(sum(each.histogram for each in evidence.sums))
     period_s = table.line_period_us * 1e-6
     return Scales(
         evidence.sensor.camera,
@@ -27,7 +26,6 @@ def scales_of(evidence: Evidence, responder: Responder) -> Scales:
         period_s,
         responder.chain.most_electrons,
         float(table.radiance.max()),
-        int(seen[0]),
         tuple(f for peak in evidence.peaks for f in peak.frequencies_hz(period_s)),
         int(np.median(table.n_lines)),
     )

@@ -15,9 +15,11 @@ from calib.diagnosis.naming.far_credit import TAIL_NOISES, far_credit
 from calib.diagnosis.naming.jumping_shapes import jumping_shapes
 from calib.diagnosis.naming.repeated import repeated_shapes
 from calib.diagnosis.naming.shape import Shape
+from calib.diagnosis.naming.stop_shapes import stop_shapes
 from calib.diagnosis.naming.turning_shapes import turning_shapes
 from calib.forward.effects.adc_dnl import AdcDnl
 from calib.forward.effects.adc_inl import AdcInl
+from calib.forward.effects.black_clip import BlackClip
 from calib.forward.effects.cosmic_rays import CosmicRays
 from calib.forward.effects.duplicated_lines import DuplicatedLines
 from calib.forward.effects.heavy_tailed_noise import HeavyTailedNoise
@@ -46,6 +48,7 @@ def told_shapes(evidence: Evidence) -> dict[str, tuple[Shape, ...]]:
         AdcInl.name: turning_shapes(evidence),
         AdcDnl.name: _dnl(evidence),
         StuckBit.name: _stuck(evidence),
+        BlackClip.name: stop_shapes(evidence),
         CosmicRays.name: _credited(rays, far.rays, far.shared),
         DuplicatedLines.name: repeated_shapes(evidence),
         HeavyTailedNoise.name: _credited(tails, far.tails, far.shared),

@@ -4,7 +4,7 @@ Beside other effects it is that about the means and the noise which these leave:
 set hangs on where a pixel stands.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -133,7 +133,8 @@ def _pixels(
     whole: dict[str, Floats] = {}
     for tap in range(sensor.n_taps):
         of_tap = sensor.tap == tap
-        part = pixel_moments(means[of_tap], variance[of_tap], seen[of_tap], faults, top)
+        acting = [fault for fault in faults if fault.acts_on(tap)]
+        part = pixel_moments(means[of_tap], variance[of_tap], seen[of_tap], acting, top)
         for each in fields(part):
             found = getattr(part, each.name)
             whole.setdefault(each.name, np.zeros((sensor.n_pixels, *found.shape[1:])))
@@ -181,10 +182,25 @@ def _codes(
             continue
         # Means are known here, and samples scatter about them by all of their noise.
         whole = variance[b] + (variance[b] - 1.0 / 12.0) / max(n - 1.0, 1.0)
-        found += _mapped(about_means(means[b], whole, n, n_codes, SOME_PIXELS), faults)
         about = base.mean_dn[b] if hidden[b] else moved[b]
-        found -= about_means(about, whole, n, n_codes, SOME_PIXELS)
+        for part, acting in _together(faults, evidence.sensor):
+            before, after = (
+                about_means(x[part], whole[part], n, n_codes, SOME_PIXELS)
+                for x in (means[b], about)
+            )
+            found += _mapped(before, acting) - after
     return found / max(samples, 1.0)
+
+
+def _together(
+    faults: Sequence[CodeFault], sensor: Sensor
+) -> Iterator[tuple[NDArray[np.bool_], list[CodeFault]]]:
+    """Yield the pixels, (n_rows, n_columns), that have the same faults, and which these are."""
+    if all(fault.only_tap is None for fault in faults):
+        yield np.ones_like(sensor.tap, bool), list(faults)
+        return
+    for tap in range(sensor.n_taps):
+        yield sensor.tap == tap, [fault for fault in faults if fault.acts_on(tap)]
 
 
 def _mapped(samples: Floats, faults: Sequence[CodeFault]) -> Floats:

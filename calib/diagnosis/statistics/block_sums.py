@@ -1,6 +1,7 @@
 """What one block leaves behind, pixel by pixel and line by line."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,7 @@ class BlockSums:
         products: Sums of products of residuals.
         sigma_dn: Standard deviation of each pixel's samples, held near its tap's others.
         events: What is counted: single samples that stand out, and the like.
-        histogram: Samples by code, (n_codes,).
+        by_code: Samples of each tap by code, (n_taps, n_codes).
         power: Power of the residuals by line and column frequency, (2 n_lines, n_pixels // 2 + 1),
             of the first `spectrum_lines` lines, over what white noise of unit variance would give.
         spectrum_lines: How many lines that are; 0 where there is none.
@@ -41,10 +42,15 @@ class BlockSums:
     products: ResidualProducts
     sigma_dn: Floats
     events: RareEvents
-    histogram: NDArray[np.int64]
+    by_code: NDArray[np.int64]
     power: NDArray[np.float32]
     spectrum_lines: int
     far: FarSamples = field(default_factory=FarSamples.none)
+
+    @cached_property
+    def histogram(self) -> NDArray[np.int64]:
+        """Samples of all taps by code, (n_codes,)."""
+        return np.asarray(self.by_code.sum(axis=0))
 
     @property
     def rare(self) -> Floats:

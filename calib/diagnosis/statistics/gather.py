@@ -54,6 +54,13 @@ def _samples(recording: Recording, name: str, sensor: Sensor) -> NDArray[np.gene
     return joined.reshape(len(joined), sensor.n_rows, sensor.n_columns)
 
 
+def _by_code(samples: NDArray[np.generic], sensor: Sensor) -> NDArray[np.int64]:
+    """Return the samples of each tap by code, (n_taps, n_codes)."""
+    n_codes, taps = sensor.camera.full_scale_dn + 1, range(sensor.n_taps)
+    parts = [samples[:, sensor.tap == tap] for tap in taps] if len(taps) > 1 else [samples]
+    return np.stack([np.bincount(part.ravel(), minlength=n_codes) for part in parts])
+
+
 def block_sums(
     samples: NDArray[np.generic], sensor: Sensor, spectrum_samples: int, *, uniform: bool = True
 ) -> BlockSums:
@@ -91,7 +98,7 @@ def block_sums(
         products,
         sigma,
         rare_events(samples, mean, sigma, products.outliers, int(repeated.sum())),
-        np.bincount(flat.ravel(), minlength=sensor.camera.full_scale_dn + 1),
+        _by_code(samples, sensor),
         power_spectrum(flat[:lines], mean.ravel(), cut.ravel()),
         lines,
         far_samples(samples, mean, reach, variance, local, products.line_means, sensor.tap)

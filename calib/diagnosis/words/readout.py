@@ -1,6 +1,7 @@
 """One sentence for every effect of the readout: of noise, gain, offset, codes and lines."""
 
 from calib.diagnosis.words.telling import Sentence, Telling
+from calib.forward.code_fault import CodeFault
 
 _SHARED_BY = {"row": "columns of a line move", "frame": "pixels of a frame move"}
 
@@ -22,8 +23,23 @@ def _dnl(t: Telling) -> str:
 def _bit(t: Telling) -> str:
     return (
         f"Bit {t.value('bit'):.0f} of the code sticks at {t.value('value'):.0f} in "
-        f"{t.share('probability')} of the samples: a stuck bit."
+        f"{t.share('probability')} of the samples{_of_tap(t)}: a stuck bit."
     )
+
+
+def _stop(t: Telling) -> str:
+    level = f"{t.value('level_dn'):.0f}"
+    if t.value("keeps") == 0.0:
+        return f"No code{_of_tap(t)} lies below {level}: the camera clips at black."
+    return (
+        f"Codes{_of_tap(t)} below {level} keep {t.share('keeps')} of their distance from it: the "
+        "camera clips softly at black."
+    )
+
+
+def _of_tap(t: Telling) -> str:
+    tap = t.effect.only_tap if isinstance(t.effect, CodeFault) else None
+    return "" if tap is None else f" of tap {tap}"
 
 
 def _tap_drift(t: Telling) -> str:
@@ -74,9 +90,7 @@ READOUT: dict[str, Sentence] = {
     "adc_inl": _inl,
     "adc_dnl": _dnl,
     "stuck_bit": _bit,
-    "black_clip": lambda t: (
-        f"No code lies below {t.value('level_dn'):.0f}: the camera clips at black."
-    ),
+    "black_clip": _stop,
     "duplicated_lines": lambda t: (
         f"{t.share('probability')} of the lines are the line before once more: duplicated lines."
     ),

@@ -32,6 +32,8 @@ class StuckBit(CodeFault):
         probability: With which the bit sticks; 1 for always.
         bit: Which one, from 0, the lowest.
         value: At which it sticks, 0 or 1.
+        only_tap: The tap that has it, from 0; left out, all have.
+        tap_layout: Which pixels a tap reads; that of the camera.
     """
 
     name: ClassVar[str] = "stuck_bit"
@@ -48,7 +50,7 @@ class StuckBit(CodeFault):
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """Whole codes in and out, (n_lines, *sample)."""
-        sticks = rng.random(signal.shape) < self.probability
+        sticks = rng.random(signal.shape) < self.probability * self.acting(signal.shape[1:])
         return np.where(sticks, self.faulty(signal), signal)
 
     @property
@@ -62,7 +64,8 @@ class StuckBit(CodeFault):
         return (whole | mask if self.value else whole & ~mask).astype(np.float64)
 
     def check_camera(self, camera: CameraHeader) -> None:
-        """Raise InputError unless the camera's codes have that bit."""
+        """Raise InputError unless the camera's codes have that bit, and the camera the tap."""
+        super().check_camera(camera)
         if self.bit >= camera.bit_depth:
             raise InputError(
                 f"effect {self.name}: bit is {self.bit}, but the camera's codes have bits 0 to "

@@ -1,19 +1,13 @@
 from calib.diagnosis.naming.grids import Scales
 from calib.diagnosis.naming.shapes import shapes_of
 from calib.forward.effects.banding import Banding
-from calib.forward.effects.black_clip import BlackClip
 from calib.recording.header import CameraHeader
 
 
 def scales(tones_hz: tuple[float, ...] = ()) -> Scales:
-    return Scales(CameraHeader(columns=64, bit_depth=12), 60.0, 1e-3, 2e4, 4.0, 37, tones_hz)
+    return Scales(CameraHeader(columns=64, bit_depth=12), 60.0, 1e-3, 2e4, 4.0, tones_hz)
 
 
 def test_the_only_tone_that_stands_out_is_looked_for() -> None:
     tried = {shape.template for shape in shapes_of(Banding, scales((73_259.8,)))}
     assert {each.frequency_hz for each in tried if isinstance(each, Banding)} == {73_259.8}
-
-
-def test_a_stop_is_looked_for_at_the_lowest_code_that_was_seen() -> None:
-    tried = {shape.template for shape in shapes_of(BlackClip, scales())}
-    assert {each.level_dn for each in tried if isinstance(each, BlackClip)} == {37}

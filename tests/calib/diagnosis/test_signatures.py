@@ -49,6 +49,8 @@ EFFECTS = (
     StuckBit(0.02, 8, 0),
     StuckBit(0.3, 1, 1),
     BlackClip(63),
+    BlackClip(64, 0.5),
+    BlackClip(64, only_tap=1, tap_layout="odd_even"),
 )
 
 

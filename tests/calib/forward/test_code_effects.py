@@ -162,12 +162,44 @@ def test_a_clip_raises_the_darks_mean_and_lowers_its_variance_as_a_cut_normal_do
     assert abs(cut.var() - variance) < 5 * np.sqrt((fourth - variance**2) / z.size)
 
 
+def test_a_soft_stop_keeps_a_part_of_the_distance_in_whole_codes() -> None:
+    codes = np.arange(50.0, 64.0)[None]
+    soft = BlackClip(level_dn=60, keeps=0.5).apply(codes, at(1), RNG)
+    assert soft[0].tolist() == [55, 56, 56, 57, 57, 58, 58, 59, 59, 60, 60, 61, 62, 63]
+    assert np.array_equal(BlackClip(level_dn=60, keeps=1.0).apply(codes, at(1), RNG), codes)
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        BlackClip(level_dn=60, only_tap=1, tap_layout="halves"),
+        StuckBit(1.0, 2, 1, only_tap=1, tap_layout="halves"),
+    ],
+    ids=lambda fault: fault.name,
+)
+def test_a_fault_of_one_tap_leaves_the_other_taps_codes(fault: BlackClip | StuckBit) -> None:
+    codes = np.full((3, 8), 56.0)
+    found = fault.apply(codes, at(3), RNG)
+    assert np.array_equal(found[:, :4], codes[:, :4])
+    assert np.array_equal(found[:, 4:], np.full((3, 4), 60.0))
+
+
 REFUSED: dict[str, tuple[Model, Any, str]] = {
     "INL of another depth": (EIGHT, AdcInl(), "bit-depth-mismatch"),
     "DNL of another depth": (EIGHT, AdcDnl(), "bit-depth-mismatch"),
     "a width too few": (EIGHT, AdcDnl(widths_dn=(1.0,) * 255, bit_depth=8), "wrong-length"),
     "no such bit": (EIGHT, StuckBit(bit=8), "no-such-code"),
     "no such level": (DEMO, BlackClip(level_dn=4095), "no-such-code"),
+    "a tap of another layout": (
+        EIGHT,
+        BlackClip(only_tap=0, tap_layout="quarters"),
+        "tap-layout-mismatch",
+    ),
+    "no such tap": (
+        EIGHT,
+        StuckBit(only_tap=3, tap_layout=EIGHT.camera.tap_layout),
+        "no-such-tap",
+    ),
     "widths of nothing": (EIGHT, AdcDnl(widths_dn=(0.0,) * 256, bit_depth=8), "no-such-code"),
 }
 

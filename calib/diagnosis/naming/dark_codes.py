@@ -1,0 +1,184 @@
+"""How often a tap's darks give each code, and how often they would about their pixels' own means.
+
+A stop of the codes bends the lower edge of what noise does to a dark. Moments tell little of it:
+offset, read noise and what else is smooth absorb them. So the noise is given a variance, a skewness
+and a kurtosis of its own here, by the Gram-Charlier series (Kendall and Stuart, The Advanced Theory
+of Statistics 1, chapter 6), and what remains is the edge itself.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+from calib.arrays import Lines
+from calib.diagnosis.evidence.evidence import Evidence
+
+Floats = NDArray[np.float64]
+Map = Callable[[Lines], Lines]
+"""Codes in, codes out."""
+
+REACH = 6.0
+"""Codes so many standard deviations from a mean are looked at."""
+FINE = 4.0
+"""Nodes lie this part of a standard deviation apart: what lies between widens the noise by 1 %."""
+NUISANCES = np.array([0.3, 0.05, 0.05])
+"""By which the logarithm of a variance, skewness and kurtosis may be off: darks have few electrons
+of their own, and 10 beside a read noise of 5 electrons have a skewness of 0.05."""
+STEPS = 3
+"""Of Gauss and Newton."""
+GRAIN = 0.05
+"""Of the logarithm of a variance: between its multiples chances are taken for straight."""
+STRAY = 1e-5
+"""Share of the samples that anything else may have put anywhere."""
+FEWEST_LINES = 16
+"""Of fewer, a pixel's own mean follows its samples."""
+FEW = 10.0
+"""Codes of which fewer are expected are not judged one by one."""
+
+
+@dataclass(frozen=True)
+class DarkCodes:
+    """Of the darks of one tap.
+
+    Attributes:
+        seen: Samples by code, (n_codes,), of the codes from `first` on.
+        first: The first code.
+        means: Own means of pixels, DN, (n,).
+        weight: Samples of each, (n,).
+        std: Standard deviation of the samples about them before rounding, DN.
+        start: Of the nuisances.
+    """
+
+    seen: Floats
+    first: int
+    means: Floats
+    weight: Floats
+    std: float
+
+    def deviance(self, changed: Map | None) -> tuple[float, Floats]:
+        """Return minus twice the log-likelihood, and the samples expected, (n_codes,)."""
+        at, found = np.zeros(3), np.zeros_like(self.seen)
+        for _ in range(STEPS):
+            found = self.expected(changed, at)
+            slopes = np.stack([
+                (self.expected(changed, at + 0.1 * each) - found) / 0.1
+                for each in np.diag(NUISANCES)
+            ]) / NUISANCES[:, None]  # fmt: skip
+            information = (slopes / found) @ slopes.T + np.diag(NUISANCES**-2.0)
+            along = slopes @ ((self.seen - found) / found) - at / NUISANCES**2
+            step = np.linalg.solve(information, along)
+            at = at + step / max(1.0, float(np.abs(step / NUISANCES).max()))
+        found = self.expected(changed, at)
+        fit = 2.0 * float((self.seen * np.log(np.maximum(self.seen, 1.0) / found)).sum())
+        return fit + float(((at / NUISANCES) ** 2).sum()), found
+
+    def expected(self, changed: Map | None, at: Floats) -> Floats:
+        """Return the samples expected by code, (n_codes,), with nuisances, (3,)."""
+        codes, chance = self._codes, self._chances(at)
+        stored = codes if changed is None else np.clip(changed(codes), codes[0], codes[-1])
+        weight = self._share if changed is None else self._weights(chance @ stored)
+        counts = weight @ chance
+        if changed is not None:
+            to = (stored - codes[0]).astype(np.intp)
+            counts = np.bincount(to, counts, len(codes)).astype(np.float64)
+        # The series may leave a code far out less than nothing.
+        counts = np.maximum(counts, 0.0) * self.seen.sum()
+        return np.asarray((1.0 - STRAY) * counts + STRAY * self.seen.sum() / len(codes))
+
+    @cached_property
+    def _codes(self) -> Floats:
+        return np.asarray(self.first + np.arange(len(self.seen)), np.float64)
+
+    def _chances(self, at: Floats) -> Floats:
+        """Return the chance of each code at each node, (n_nodes, n_codes)."""
+        step, share = divmod(float(at[0]), GRAIN)
+        low, high = self._series(int(step)), self._series(int(step) + 1)
+        share /= GRAIN
+        by_term = (1.0, *at[1:])
+        return np.asarray(
+            sum(
+                t * ((1.0 - share) * a + share * b)
+                for t, a, b in zip(by_term, low, high, strict=True)
+            )
+        )
+
+    def _series(self, step: int) -> Floats:
+        """Return the terms of the series, (3, n_nodes, n_codes), of so many grains of variance."""
+        if step not in self._known:
+            std = self.std * float(np.exp(0.5 * GRAIN * step))
+            self._known[step] = _terms((self._codes[:-1] + 0.5 - self._nodes[:, None]) / std)
+        return self._known[step]
+
+    @cached_property
+    def _known(self) -> dict[int, Floats]:
+        return {}
+
+    @cached_property
+    def _nodes(self) -> Floats:
+        low, high = self.means.min() - 2.0 * self.std, self.means.max()
+        return np.linspace(low, high, 2 + int((high - low) * FINE / self.std))
+
+    @cached_property
+    def _share(self) -> Floats:
+        return self._weights(self._nodes)
+
+    def _weights(self, means: Floats) -> Floats:
+        """Return the share of the samples at each node, whose pixels' means are given."""
+        place = np.interp(self.means, means, np.arange(len(means), dtype=np.float64))
+        k = np.minimum(place.astype(np.intp), len(means) - 2)
+        above = self.weight * (place - k)
+        found = np.bincount(k, self.weight - above, len(means))
+        found = found + np.bincount(k + 1, above, len(means))
+        return np.asarray(found / self.weight.sum())
+
+
+def misfit_per_code(codes: DarkCodes, expected: Floats) -> float:
+    """Return the mean square of what codes are off by, in standard deviations, 1 or more.
+
+    Where codes are wide and narrow, or bits stick, likelihoods are to be taken by so much less.
+    """
+    enough = expected > FEW
+    off = (codes.seen - expected)[enough] ** 2 / expected[enough]
+    return max(float(off.sum()) / max(int(enough.sum()) - len(NUISANCES), 1), 1.0)
+
+
+def dark_codes(evidence: Evidence) -> tuple[DarkCodes | None, ...]:
+    """Return what the darks of each tap give; None of one that has too few lines of them."""
+    base = evidence.baseline
+    dark = (base.dose.max(axis=(1, 2)) == 0.0) & (evidence.n >= FEWEST_LINES)
+    blocks = np.flatnonzero(dark).tolist()
+    return tuple(_of_tap(tap, blocks, evidence) for tap in range(evidence.sensor.n_taps))
+
+
+def _of_tap(tap: int, blocks: list[int], evidence: Evidence) -> DarkCodes | None:
+    if not blocks:
+        return None
+    of_tap = evidence.sensor.tap == tap
+    sums = [evidence.sums[b] for b in blocks]
+    means = np.concatenate([each.mean_dn[of_tap] for each in sums])
+    weight = np.concatenate([np.full(of_tap.sum(), float(each.n_lines)) for each in sums])
+    squares = sum(float(each.products.squares[of_tap].mean()) for each in sums)
+    variance = squares / sum(each.n_lines for each in sums) - 1.0 / 12.0
+    std = max(float(np.sqrt(max(variance, 0.0))), 0.2)
+    seen = sum(each.by_code[tap] for each in sums)
+    first = max(int(means.min() - (REACH + 2.0) * std), 0)
+    last = min(int(means.max() + REACH * std) + 2, len(seen))
+    return DarkCodes(seen[first:last].astype(np.float64), first, means, weight, std)
+
+
+def _terms(z: Floats) -> Floats:
+    """Return what normal noise, skewness and kurtosis make of each code, (3, n_nodes, n_codes).
+
+    Args:
+        z: Upper edge of each code but the last about each node, over the noise's std.
+    """
+    density = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi)
+    upto = np.stack([ndtr(z), -density * (z**2 - 1.0) / 6.0, -density * (z**3 - 3.0 * z) / 24.0])
+    ends = np.zeros((*upto.shape[:2], 1))
+    found = np.diff(upto, axis=2, prepend=ends)
+    last = np.array([1.0, 0.0, 0.0])[:, None] - upto[:, :, -1]
+    return np.concatenate([found, last[:, :, None]], axis=2)
