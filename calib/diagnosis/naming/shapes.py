@@ -53,8 +53,8 @@ def _fitted_to_camera(kind: type[Departure], scales: Scales) -> Departure | None
     names = set(parameters_of(kind))
     values: dict[str, object] = {}
     if "tap_layout" in names:
-        values["tap_layout"] = camera.tap_layout
-        if camera.taps < 2:
+        values["tap_layout"] = camera.tap_layout if camera.taps > 1 else "single"
+        if camera.taps < 2 and "tap" in kind.depends_on:
             return None
     for name in ("readout", "bit_depth"):
         if name in names:

@@ -32,10 +32,11 @@ def _brighter_fatter(t: Telling) -> str:
 
 
 def _cti(t: Telling) -> str:
+    most = t.most_transfers(t.word("readout"), t.word("tap_layout"))
     return (
         f"Each transfer to the output leaves {t.scaled('per_transfer', 1e6, '')} millionths of a "
         f"charge of {t.value('reference_e'):.0f} electrons behind, "
-        f"{t.scaled_share('per_transfer', t.scales.columns)} over the whole register: "
+        f"{t.scaled_share('per_transfer', most)} over the whole register: "
         "charge transfer inefficiency."
     )
 

@@ -68,7 +68,7 @@ READOUT: dict[str, Sentence] = {
         "partner reads at the same time: tap crosstalk."
     ),
     "line_noise": lambda t: (
-        f"All {_SHARED_BY[getattr(t.effect, 'shared_by')]} together, by "  # noqa: B009 - its own
+        f"All {_SHARED_BY[t.word('shared_by')]} together, by "
         f"{t.size('std_dn', 'DN')} from one to the next: line noise."
     ),
     "banding": lambda t: (

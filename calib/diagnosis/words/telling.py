@@ -10,6 +10,7 @@ from calib.diagnosis.answer.estimate import Estimate
 from calib.diagnosis.words.scales import RecordingScales
 from calib.forward.departure import Departure
 from calib.forward.drift import settled
+from calib.forward.effects.cti import transfers_of_column
 from calib.report.rounded import number, percent, printed_unit
 
 DIGITS = 1
@@ -39,6 +40,10 @@ class Telling:
             return float(max(value, key=abs, default=0.0))
         return float(value)
 
+    def word(self, name: str) -> str:
+        """Return a parameter that is a word."""
+        return str(getattr(self.effect, name))
+
     def share(self, name: str) -> str:
         """Return the size of a parameter in percent."""
         return percent(abs(self.value(name)), self._std(name), digits=DIGITS)
@@ -60,6 +65,10 @@ class Telling:
     def either(self, name: str, positive: str, negative: str) -> str:
         """Return a word by the sign of a parameter."""
         return positive if self.value(name) >= 0 else negative
+
+    def most_transfers(self, readout: str, tap_layout: str) -> float:
+        """Return how many transfers take the charge there that is farthest from its output."""
+        return float(transfers_of_column(readout, self.scales.columns, tap_layout).max())
 
     @property
     def settled(self) -> float:

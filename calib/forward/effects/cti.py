@@ -2,10 +2,13 @@
 
 Source: Janesick, Scientific Charge-Coupled Devices (2001), chapter 5; Short et al., An analytical
 model of radiation-induced charge transfer inefficiency for CCD detectors, MNRAS 430, 3078 (2013),
-for loss as a power of the charge; Massey et al., An improved model of charge transfer inefficiency,
-MNRAS 439, 887 (2014), for exponential trails. `calib.forward.partition` says why independent
-electrons of uniform light show no covariance where the share is constant, and Snyder et al.,
-Characterization and correction of serial deferred charge in LSST camera ITL CCDs, J. Astron.
+for loss as a power of the charge; Brodersen, Buss and Tasch, Experimental characterization of
+transfer efficiency in charge-coupled devices, IEEE Trans. Electron Devices 22, 40 (1975), for which
+powers there are: loss that is fixed (0), proportional (1), and, over barriers and where charge
+meets the surface, more than proportional; Massey et al., An improved model of charge transfer
+inefficiency, MNRAS 439, 887 (2014), for exponential trails. `calib.forward.partition` says why
+independent electrons of uniform light show no covariance where the share is constant, and Snyder et
+al., Characterization and correction of serial deferred charge in LSST camera ITL CCDs, J. Astron.
 Telesc. Instrum. Syst. 7, 048002 (2021), that traps of real sensors do make neighbours correlate.
 """
 
@@ -26,6 +29,7 @@ from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.partition import part_of
 from calib.forward.plan_needs import first_lack, flats, neighbours
+from calib.forward.taps import LAYOUTS, check_layout, columns_of_tap, tap_count
 from calib.recording.header import Block, CameraHeader
 
 READOUTS = ("left", "right", "both")
@@ -46,11 +50,14 @@ class Cti(Departure):
         per_transfer: Share of the reference charge that one transfer leaves behind.
         reference_e: Charge for which that holds.
         exponent: Deferred charge grows as this power of the charge; below 1, small charges lose
-            relatively more.
-        trail_columns: Length of the trail, to 1/e; 0 where all appears in the next pixel.
+            relatively more, above 1, large ones.
+        trail_columns: Length of the trail in the register's own columns, to 1/e; 0 where all
+            appears in the next of them.
         partition_noise: 1 where each electron is deferred by itself, 0 where exactly the share is,
             as where full traps decide.
         readout: Where the outputs are; that of the camera.
+        tap_layout: Which columns share a register: that of the camera, or `single` where one
+            register serves all taps.
     """
 
     name: ClassVar[str] = "cti"
@@ -65,10 +72,11 @@ class Cti(Departure):
 
     per_transfer: float = parameter(1e-5, unit="1", low=0.0, high=0.01, neutral=0.0)
     reference_e: float = parameter(10_000.0, unit="e-", low=1.0, high=1e7)
-    exponent: float = parameter(0.8, unit="1", low=0.1, high=1.0)
+    exponent: float = parameter(0.8, unit="1", low=0.0, high=2.0)
     trail_columns: float = parameter(0.5, unit="column", low=0.0, high=1e3)
     partition_noise: float = parameter(1.0, unit="1", low=0.0, high=1.0)
     readout: str = parameter("left", unit="", choices=READOUTS)
+    tap_layout: str = parameter("single", unit="", choices=LAYOUTS)
 
     @classmethod
     def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:
@@ -79,13 +87,13 @@ class Cti(Departure):
         """Electrons in and out, (n_lines, *sample)."""
         deferred = part_of(signal, self.deferred_share(signal), self.partition_noise, rng)
         read = np.array(signal - deferred)
-        for register in registers(self.readout, signal.shape[-1]):
+        for register in registers(self.readout, signal.shape[-1], self.tap_layout):
             self._trail(read[..., register], deferred[..., register], rng)
         return read
 
     def deferred_share(self, charge: Lines) -> NDArray[np.float64]:
         """Return the share of each pixel's charge, electrons, that comes late, of its shape."""
-        transfers = transfers_of_column(self.readout, charge.shape[-1])
+        transfers = transfers_of_column(self.readout, charge.shape[-1], self.tap_layout)
         relative = np.maximum(charge, 1.0) / self.reference_e
         each = np.minimum(self.per_transfer * relative ** (self.exponent - 1.0), 1.0 - 1e-12)
         return np.asarray(-np.expm1(transfers * np.log1p(-each)))
@@ -109,35 +117,58 @@ class Cti(Departure):
             held = held - released + deferred[..., column]
 
     def check_camera(self, camera: CameraHeader) -> None:
-        """Raise InputError unless `readout` is that of the camera."""
+        """Raise InputError unless `readout`, and taps that have registers, are the camera's."""
         if self.readout != camera.readout:
             raise InputError(
                 f"effect cti: readout is {self.readout!r}, but the camera's is "
                 f"{camera.readout!r}; give one for both.",
                 code="readout-mismatch",
             )
+        if self.tap_layout != "single":
+            check_layout(self.tap_layout, camera, "effect cti")
 
 
-def registers(readout: str, n_columns: int) -> tuple[slice, ...]:
+def registers(readout: str, n_columns: int, tap_layout: str = "single") -> tuple[slice, ...]:
     """Return each register's columns in the order in which they are read.
 
     >>> np.arange(5)[registers("both", 5)[1]]
     array([4, 3])
+    >>> np.arange(5)[registers("right", 5, "odd_even")[0]]
+    array([4, 2, 0])
     """
-    left, right = slice(None), slice(None, None, -1)
-    middle = (n_columns + 1) // 2
-    both = (slice(0, middle), slice(n_columns - 1, middle - 1 if middle else None, -1))
-    return {"left": (left,), "right": (right,), "both": both}[readout]
+    # A row of quadrants is one of halves, and so is a line that is read at both of its ends.
+    halved = tap_layout == "quadrants" or (tap_layout == "single" and readout == "both")
+    layout = "halves" if halved else tap_layout
+    n_taps = tap_count(layout)
+    found = []
+    for tap in range(n_taps):
+        columns = columns_of_tap(layout, n_columns, tap)
+        rightwards = readout == "right" or (readout == "both" and 2 * tap >= n_taps)
+        step = n_taps if layout == "odd_even" else 1
+        found.append(_stretch(columns, -step if rightwards else step))
+    return tuple(found)
 
 
-def transfers_of_column(readout: str, n_columns: int) -> Columns:
+def _stretch(columns: NDArray[np.intp], step: int) -> slice:
+    """Return ascending columns, `step` apart, as a slice; downwards where the step is."""
+    if not columns.size:
+        return slice(0, 0)
+    first, last = int(columns[0]), int(columns[-1])
+    if step > 0:
+        return slice(first, last + 1, step)
+    return slice(last, first - 1 if first else None, step)
+
+
+def transfers_of_column(readout: str, n_columns: int, tap_layout: str = "single") -> Columns:
     """Return how many transfers take each column's charge to its output, (n_columns,).
 
     >>> transfers_of_column("both", 5)
     array([1., 2., 3., 2., 1.])
+    >>> transfers_of_column("left", 6, "odd_even")
+    array([1., 1., 2., 2., 3., 3.])
     """
     transfers = np.empty(n_columns)
-    for register in registers(readout, n_columns):
+    for register in registers(readout, n_columns, tap_layout):
         of_register = transfers[register]
         of_register[:] = np.arange(1, of_register.size + 1)
     return transfers

@@ -47,6 +47,7 @@ CASES: tuple[tuple[str, dict[str, object], str], ...] = (
     ("lag", {"share": 0.01}, "1.0 % of a line's charge stays"),
     ("persistence", {"share": 0.05, "time_constant_s": 5.0}, "5.0 % of the charge"),
     ("cti", {"per_transfer": 2e-5}, "20 millionths of a charge of 10000 electrons behind, 0.51 %"),
+    ("cti", {"per_transfer": 2e-5, "tap_layout": "odd_even"}, "0.26 % over the whole register"),
     ("interpixel_capacitance", {"column_coupling": 0.012}, "columns share 1.2 % of each other's"),
     ("heavy_tailed_noise", {"share": 0.01, "std_e": 50.0}, "1.0 % of all readings"),
     ("tap_gain_drift", {"amplitude": (0.0, -0.02), "time_constant_s": 100.0}, "fell by 1.9 %"),

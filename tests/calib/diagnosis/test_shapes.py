@@ -1,6 +1,11 @@
+from dataclasses import replace
+
+import pytest
+
 from calib.diagnosis.naming.grids import Scales
 from calib.diagnosis.naming.shapes import shapes_of
 from calib.forward.effects.banding import Banding
+from calib.forward.effects.cti import Cti
 from calib.recording.header import CameraHeader
 
 
@@ -11,3 +16,10 @@ def scales(tones_hz: tuple[float, ...] = ()) -> Scales:
 def test_the_only_tone_that_stands_out_is_looked_for() -> None:
     tried = {shape.template for shape in shapes_of(Banding, scales((73_259.8,)))}
     assert {each.frequency_hz for each in tried if isinstance(each, Banding)} == {73_259.8}
+
+
+@pytest.mark.parametrize(("taps", "layout"), [(1, "single"), (2, "odd_even"), (4, "quarters")])
+def test_registers_that_are_looked_for_are_the_taps(taps: int, layout: str) -> None:
+    camera = CameraHeader(columns=64, bit_depth=12, taps=taps, tap_layout=layout, readout="both")  # type: ignore[arg-type]
+    tried = {shape.template for shape in shapes_of(Cti, replace(scales(), camera=camera))}
+    assert {(e.tap_layout, e.readout) for e in tried if isinstance(e, Cti)} == {(layout, "both")}

@@ -36,7 +36,7 @@ EFFECTS = (
     TapCrosstalk(0.02, "odd_even"),
     Lag(0.005),
     Lag(0.005, 0.0),
-    Cti(3e-4, partition_noise=0.0),
+    Cti(3e-4, exponent=1.5, partition_noise=0.0, tap_layout="odd_even"),
     Cti(3e-4),
     Persistence(0.003, 8.0),
     Persistence(0.006, 8.0, 3e6),

@@ -8,6 +8,7 @@ from calib.errors import InputError
 from calib.forward.conditions import Conditions
 from calib.forward.effects.cti import Cti
 from calib.forward.partition import part_of
+from calib.forward.taps import tap_of_column
 from tests.calib.forward.plain_sensor import covariance, plain, score
 
 AT = Conditions.steady(1, exposure_us=50.0, line_period_us=100.0)
@@ -79,6 +80,22 @@ def test_outputs_at_the_right_and_at_both_ends_mirror_the_one_at_the_left() -> N
     assert np.array_equal(halves[:, 6:], right.apply(line[:, 6:], AT, RNG))
 
 
+@pytest.mark.parametrize("readout", ["left", "right", "both"])
+@pytest.mark.parametrize("layout", ["odd_even", "halves", "quarters", "quadrants"])
+def test_each_tap_has_a_register_of_its_own(layout: str, readout: str) -> None:
+    line = np.random.default_rng(4).uniform(100.0, 900.0, (3, 11))
+    given = {"per_transfer": 0.01, "exponent": 1.4, "trail_columns": 1.0}
+    read = exactly(readout=readout, tap_layout=layout, **given).apply(line, AT, RNG)
+    along = "halves" if layout == "quadrants" else layout
+    taps = tap_of_column(along, 11)
+    n_taps = int(taps.max()) + 1
+    for tap in range(n_taps):
+        # The outer half of the taps is read to the right where both ends have outputs.
+        towards = {"both": "left" if tap < n_taps / 2 else "right"}.get(readout, readout)
+        alone = exactly(readout=towards, **given).apply(line[:, taps == tap], AT, RNG)
+        assert np.array_equal(read[:, taps == tap], alone)
+
+
 @seeds
 @pytest.mark.parametrize("p", [0.0, 1.0])
 def test_neighbours_correlate_only_where_the_share_is_set_for_all_electrons(
@@ -139,3 +156,12 @@ def test_the_outputs_have_to_be_the_cameras() -> None:
         plain(Cti(readout="both"))
     assert caught.value.code == "readout-mismatch"
     assert plain(Cti(readout="both"), more='readout = "both"').effect("cti") is not None
+
+
+def test_registers_of_taps_have_to_be_those_of_the_cameras_taps() -> None:
+    with pytest.raises(InputError, match="tap_layout is 'odd_even'") as caught:
+        plain(Cti(tap_layout="odd_even"))
+    assert caught.value.code == "tap-layout-mismatch"
+    two = 'taps = 2\ntap_layout = "odd_even"'
+    for layout in ("odd_even", "single"):
+        assert plain(Cti(tap_layout=layout), more=two).effect("cti") is not None
