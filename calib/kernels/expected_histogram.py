@@ -40,7 +40,7 @@ def _add(mean, std, samples, counts):  # type: ignore[no-untyped-def]  # compile
 
 
 @njit(cache=True, nogil=True)
-def _add_exactly(mean, std, samples, low, high, counts):  # type: ignore[no-untyped-def]  # compiled
+def _add_exactly(mean, std, samples, low, high, counts):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
     below = 0.0
     for code in range(low, high):
         upto = 0.5 * erfc((mean - code - 0.5) / (std * sqrt(2.0)))
@@ -50,7 +50,7 @@ def _add_exactly(mean, std, samples, low, high, counts):  # type: ignore[no-unty
 
 
 @njit(cache=True, nogil=True)
-def _add_densities(mean, std, samples, low, high, counts):  # type: ignore[no-untyped-def]  # compiled
+def _add_densities(mean, std, samples, low, high, counts):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
     """Add the chances from the density in each code's middle, which follows from its neighbour's.
 
     Of the density f at u standard deviations a code one wide holds f (1 + (u^2 - 1) / (24 s^2) +

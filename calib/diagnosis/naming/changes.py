@@ -10,6 +10,7 @@ from calib.diagnosis.naming.reproduced import reproduced
 from calib.diagnosis.recorded.monitor import light_change
 from calib.diagnosis.simulation.events import Density, change_of_events, density_of
 from calib.diagnosis.simulation.fault_change import change_of_faults, no_change
+from calib.diagnosis.simulation.fault_surroundings import Surroundings
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.with_values import with_values
 from calib.diagnosis.statistics.change import Change
@@ -86,7 +87,10 @@ def _of_faults(
         if (others or responder.plain is not None)
         else no_change(evidence)
     )
-    return _with_misfit(change + change_of_faults(faults, change, evidence), evidence)
+    surroundings = responder.surroundings.of(
+        (others, once), lambda: Surroundings.beside(change, evidence)
+    )
+    return _with_misfit(change + change_of_faults(faults, surroundings), evidence)
 
 
 def _of_events(

@@ -5,17 +5,17 @@ set hangs on where a pixel stands.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import poisson
 
-from calib.diagnosis.baseline.code_counts import about_means, fine_blocks, own_means_hidden
+from calib.diagnosis.baseline.code_counts import fine_blocks, own_means_hidden
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.recorded.sensor import Sensor
-from calib.diagnosis.simulation.fault_chances import are_touched
-from calib.diagnosis.simulation.fault_moments import PixelMoments, pixel_moments
+from calib.diagnosis.simulation.fault_moments import PixelMoments
+from calib.diagnosis.simulation.fault_surroundings import Surroundings
 from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.counts import Counts, grouped
 from calib.diagnosis.statistics.expected import second_moments
@@ -25,11 +25,6 @@ from calib.diagnosis.statistics.rare import OFTEN, RARE, SINGLE
 from calib.forward.code_fault import CodeFault
 
 Floats = NDArray[np.float64]
-
-SOME_PIXELS = 256
-"""Of each block, whose codes stand for all."""
-LEAST_DN2 = 0.1
-"""Other effects leave a pixel at least so much variance."""
 
 
 @dataclass(frozen=True)
@@ -49,27 +44,25 @@ class FaultyBlock:
     rare: Floats
 
 
-def change_of_faults(faults: Sequence[CodeFault], others: Change, evidence: Evidence) -> Change:
-    """Return what `faults` change beside `others`, which is what all else changes."""
-    base, shape = evidence.baseline, evidence.baseline.mean_dn.shape
-    means = base.mean_dn + others.means.reshape(shape)
-    variance = np.stack([
-        np.maximum(v + _of_pixels(row, evidence), LEAST_DN2)
-        for v, row in zip(base.variance_dn2, others.pooled, strict=True)
-    ])  # fmt: skip
-    blocks = [_block(b, means[b], variance[b], faults, evidence) for b in range(len(means))]
+def change_of_faults(faults: Sequence[CodeFault], surroundings: Surroundings) -> Change:
+    """Return what `faults` change beside all else, which has left these surroundings."""
+    evidence, means = surroundings.evidence, surroundings.means
+    blocks = [_block(b, faults, surroundings) for b in range(len(means))]
     moved = np.stack([each.means for each in blocks])
     weight = (evidence.n - 1.0) / (evidence.n - 1.0).sum()
     ratio = sum(
         w * each.squares / v.ravel()
-        for w, each, v in zip(weight, blocks, base.variance_dn2, strict=True)
+        for w, each, v in zip(weight, blocks, evidence.baseline.variance_dn2, strict=True)
     )
-    codes = _codes(means, means + moved.reshape(shape), variance, faults, evidence)
-    return Change(
-        moved, np.zeros_like(others.onset), np.stack([each.pooled for each in blocks]),
-        np.stack([each.rare for each in blocks]), np.asarray(ratio), np.stack([codes, codes]),
-        np.zeros_like(others.tones), np.zeros_like(others.pixel_misfit),
-    )  # fmt: skip
+    codes = _codes(means + moved.reshape(means.shape), faults, surroundings)
+    return replace(
+        no_change(evidence),
+        means=moved,
+        pooled=np.stack([each.pooled for each in blocks]),
+        rare=np.stack([each.rare for each in blocks]),
+        pixel_variance=np.asarray(ratio),
+        codes=np.stack([codes, codes]),
+    )
 
 
 def no_change(evidence: Evidence) -> Change:
@@ -77,20 +70,13 @@ def no_change(evidence: Evidence) -> Change:
     return evidence.observed() * 0.0
 
 
-def _of_pixels(pooled: Floats, evidence: Evidence) -> Floats:
-    """Return each pixel's change of variance, (n_rows, n_columns), of one block's statistics."""
-    group = np.minimum(evidence.sensor.group, evidence.sensor.n_groups - 1)
-    return np.asarray(pooled[evidence.pooled.places["variance"]][group])
-
-
-def _block(
-    b: int, means: Floats, variance: Floats, faults: Sequence[CodeFault], evidence: Evidence
-) -> FaultyBlock:
+def _block(b: int, faults: Sequence[CodeFault], surroundings: Surroundings) -> FaultyBlock:
+    evidence = surroundings.evidence
     n, sensor = int(evidence.n[b]), evidence.sensor
-    if not are_touched(means, variance, faults, sensor.camera.full_scale_dn):
+    if not surroundings.touched_by(faults, b):
         nothing, places = np.zeros(sensor.n_pixels), evidence.pooled.std.shape[1]
         return FaultyBlock(nothing, nothing, np.zeros(places), np.zeros(len(RARE)))
-    after, before = (_pixels(b, means, variance, each, evidence) for each in (faults, ()))
+    after, before = surroundings.moments(faults, b), surroundings.moments_without(b)
     noise = evidence.baseline.variance_dn2[b]
     squares, fourths = after.squares - before.squares, after.fourths - before.fourths
     pooled = second_moments(squares.reshape(noise.shape), n, sensor, evidence.counts)
@@ -124,24 +110,6 @@ def _kurtosis(squares: Floats, fourths: Floats, noise: Floats, sensor: Sensor) -
     return np.asarray(fourth / 3.0 / level - 2.0 * square / whole)
 
 
-def _pixels(
-    b: int, means: Floats, variance: Floats, faults: Sequence[CodeFault], evidence: Evidence
-) -> PixelMoments:
-    """Return the moments of a block's pixels, flat, tap by tap: each has a noise of its own."""
-    sensor, top = evidence.sensor, evidence.sensor.camera.full_scale_dn
-    seen = evidence.sums[b].sigma_dn
-    whole: dict[str, Floats] = {}
-    for tap in range(sensor.n_taps):
-        of_tap = sensor.tap == tap
-        acting = [fault for fault in faults if fault.acts_on(tap)]
-        part = pixel_moments(means[of_tap], variance[of_tap], seen[of_tap], acting, top)
-        for each in fields(part):
-            found = getattr(part, each.name)
-            whole.setdefault(each.name, np.zeros((sensor.n_pixels, *found.shape[1:])))
-            whole[each.name][of_tap.ravel()] = found
-    return PixelMoments(**whole)
-
-
 def _rates(moments: PixelMoments, n: int, sensor: Sensor) -> Floats:
     """Return the rates of what is counted in a block of `n` lines, (n_rare,).
 
@@ -169,38 +137,30 @@ def _rates(moments: PixelMoments, n: int, sensor: Sensor) -> Floats:
     return rates
 
 
-def _codes(
-    means: Floats, moved: Floats, variance: Floats, faults: Sequence[CodeFault], evidence: Evidence
-) -> Floats:
+def _codes(moved: Floats, faults: Sequence[CodeFault], surroundings: Surroundings) -> Floats:
     """Return the change of code shares about what pixels' own means lead to expect, (n_codes,)."""
-    base, n_codes = evidence.baseline, evidence.sensor.camera.full_scale_dn + 1
-    found, samples, hidden = np.zeros(n_codes), 0.0, own_means_hidden(base)
+    evidence, base = surroundings.evidence, surroundings.evidence.baseline
+    found, samples, hidden = np.zeros(surroundings.n_codes), 0.0, own_means_hidden(base)
     for b in np.flatnonzero(fine_blocks(base)).tolist():
-        n = float(evidence.n[b])
-        samples += n * means[b].size
-        if not are_touched(means[b], variance[b], faults, n_codes - 1):
+        samples += float(evidence.n[b]) * moved[b].size
+        if not surroundings.touched_by(faults, b):
             continue
-        # Means are known here, and samples scatter about them by all of their noise.
-        whole = variance[b] + (variance[b] - 1.0 / 12.0) / max(n - 1.0, 1.0)
         about = base.mean_dn[b] if hidden[b] else moved[b]
-        for part, acting in _together(faults, evidence.sensor):
-            before, after = (
-                about_means(x[part], whole[part], n, n_codes, SOME_PIXELS)
-                for x in (means[b], about)
-            )
-            found += _mapped(before, acting) - after
+        for tap, acting in _together(faults, evidence.sensor):
+            found += _mapped(surroundings.codes_without(b, tap), acting)
+            found -= surroundings.codes_about(about, b, tap)
     return found / max(samples, 1.0)
 
 
 def _together(
     faults: Sequence[CodeFault], sensor: Sensor
-) -> Iterator[tuple[NDArray[np.bool_], list[CodeFault]]]:
-    """Yield the pixels, (n_rows, n_columns), that have the same faults, and which these are."""
+) -> Iterator[tuple[int | None, list[CodeFault]]]:
+    """Yield the taps whose pixels have the same faults, None for all, and which these are."""
     if all(fault.only_tap is None for fault in faults):
-        yield np.ones_like(sensor.tap, bool), list(faults)
+        yield None, list(faults)
         return
     for tap in range(sensor.n_taps):
-        yield sensor.tap == tap, [fault for fault in faults if fault.acts_on(tap)]
+        yield tap, [fault for fault in faults if fault.acts_on(tap)]
 
 
 def _mapped(samples: Floats, faults: Sequence[CodeFault]) -> Floats:

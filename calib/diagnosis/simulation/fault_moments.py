@@ -27,15 +27,22 @@ from calib.diagnosis.statistics.rare import (
     VERY_FAR_SIGMA,
 )
 from calib.forward.code_fault import CodeFault
+from calib.kernels.code_moments import Limits, code_moments
 
 Floats = NDArray[np.float64]
 
-HARDLY = 1e-5
-"""Where less than this share is beyond the cut about the mean, no median is asked for."""
-NEAR_CUT = 0.3
-"""By this part of it a pixel's own cut may be off."""
-NEAR_SHARE = 1e-3
-"""Of the samples; 0.7 of a cut is 3.5 standard deviations, beyond which chance has half of that."""
+LIMITS = Limits(
+    cut=CUT_SIGMA,
+    hardly=1e-5,
+    # 0.7 of a cut is 3.5 standard deviations, beyond which chance has half of that share.
+    near=0.3,
+    near_share=1e-3,
+    beside=BESIDE_SIGMA,
+    far=FAR_SIGMA,
+    flip=FLIP_SIGMA,
+    very_far=VERY_FAR_SIGMA,
+)
+"""Those by which a recording's samples are told apart."""
 KINDS = 2 + 2 * FLIPS
 """Kinds of samples that stand out: above, below, and bits that were raised and lowered."""
 
@@ -122,47 +129,6 @@ def _between(values: Floats, nodes: Floats, places: Floats) -> Floats:
 
 def _moments(codes: Floats, chance: Floats, sigma: Floats) -> PixelMoments:
     """Return the moments at nodes whose samples are told by `sigma`, DN, (n_nodes,)."""
-    sigma = sigma[:, None]
-    cut = CUT_SIGMA * sigma + 1.0
-    mean = np.asarray((chance * codes).sum(axis=1), np.float64)
-    jumps = (chance * (np.abs(codes - mean[:, None]) > cut)).sum(axis=1) > HARDLY
-    if jumps.any():
-        mean = np.where(jumps, _settled(codes, chance, cut), mean)
-    off = codes - mean[:, None]
-    out = np.abs(off) > cut
-    within = np.where(out, 0.0, chance)
-    square = off**2
-    return PixelMoments(
-        # Where samples lie near the cut, those about the first mean have another than those
-        # about the median.
-        mean + (within * off).sum(axis=1),
-        (within * square).sum(axis=1),
-        (within * square**2).sum(axis=1),
-        (chance * out).sum(axis=1),
-        ((chance * (np.abs(np.abs(off) / cut - 1.0) < NEAR_CUT)).sum(axis=1) > NEAR_SHARE) * 1.0,
-        (chance * (off > BESIDE_SIGMA * sigma)).sum(axis=1),
-        _far(off, np.where(out & (np.abs(off) > FAR_SIGMA * sigma), chance, 0.0), sigma),
-    )
-
-
-def _settled(codes: Floats, chance: Floats, cut: Floats) -> Floats:
-    """Return the mean of what lies within the cut about the median, (n_nodes,)."""
-    order = np.argsort(codes, axis=1)
-    upto = np.cumsum(np.take_along_axis(chance, order, axis=1), axis=1)
-    middle = np.argmax(upto >= 0.5 * upto[:, -1:], axis=1)[:, None]
-    median = np.take_along_axis(codes, np.take_along_axis(order, middle, axis=1), axis=1)
-    near = np.where(np.abs(codes - median) <= cut, chance, 0.0)
-    return np.asarray((near * codes).sum(axis=1) / np.maximum(near.sum(axis=1), 1e-12))
-
-
-def _far(off: Floats, chance: Floats, sigma: Floats) -> Floats:
-    """Return the share of samples that are counted by kind, (n_nodes, KINDS)."""
-    node, k = np.nonzero(chance)
-    off, share, sigma = off[node, k], chance[node, k], sigma[node, 0]
-    size = np.maximum(np.abs(off), 1.0)
-    bit = np.clip(np.rint(np.log2(size)), 0, FLIPS - 1).astype(np.intp)
-    flipped = (np.abs(size - np.exp2(bit)) < FLIP_SIGMA * sigma) & (size > VERY_FAR_SIGMA * sigma)
-    kind = np.where(off > 0.0, 0, 1)
-    kind = np.where(flipped, 2 + bit + np.where(off > 0.0, 0, FLIPS), kind)
-    found = np.bincount(node * KINDS + kind, share, minlength=len(chance) * KINDS)
-    return np.asarray(found.reshape(-1, KINDS), np.float64)
+    moments, far = code_moments(codes, chance, sigma, LIMITS, FLIPS)
+    mean, squares, fourths, out, near, raised = moments.T
+    return PixelMoments(mean, squares, fourths, out, near, raised, far)

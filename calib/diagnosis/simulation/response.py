@@ -12,6 +12,7 @@ from calib.diagnosis.baseline.code_counts import fine_blocks
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.diagnosis.simulation.drawing import Drawing
+from calib.diagnosis.simulation.fault_surroundings import LatestSurroundings
 from calib.diagnosis.simulation.known_changes import KnownChanges
 from calib.diagnosis.simulation.sampled_lines import sampled_lines
 from calib.diagnosis.simulation.simulated import Simulated, act_on_codes
@@ -127,3 +128,8 @@ class Responder:
     def of_events(self) -> dict[Departure, Change]:
         """What effects made of events change where these are dense, as far as it is known."""
         return {}
+
+    @cached_property
+    def surroundings(self) -> LatestSurroundings:
+        """What faults of codes were last looked for among."""
+        return LatestSurroundings()

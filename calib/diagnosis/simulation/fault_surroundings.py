@@ -1,0 +1,139 @@
+"""What faults of codes act on: pixels' means and noise, and what is seen of them without faults.
+
+A search asks of many faults about the same means: what these give without any is worked out once.
+"""
+
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.baseline.code_counts import about_means
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.simulation.fault_chances import are_touched
+from calib.diagnosis.simulation.fault_moments import PixelMoments, pixel_moments
+from calib.diagnosis.statistics.change import Change
+from calib.forward.code_fault import CodeFault
+
+Floats = NDArray[np.float64]
+
+SOME_PIXELS = 256
+"""Of each block, whose codes stand for all."""
+LEAST_DN2 = 0.1
+"""Other effects leave a pixel at least so much variance."""
+KEPT = 2
+"""Surroundings that are kept at a time."""
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What faults of codes act on.
+
+    Attributes:
+        evidence: The recording's.
+        means: Of pixels before rounding and before any fault, DN, (n_blocks, n_rows, n_columns).
+        variance: Of each with rounding, DN^2, likewise.
+    """
+
+    evidence: Evidence
+    means: Floats
+    variance: Floats
+
+    @classmethod
+    def beside(cls, others: Change, evidence: Evidence) -> "Surroundings":
+        """Return those that `others` leave, which is what all else changes."""
+        base = evidence.baseline
+        means = base.mean_dn + others.means.reshape(base.mean_dn.shape)
+        variance = np.stack([
+            np.maximum(v + _of_pixels(row, evidence), LEAST_DN2)
+            for v, row in zip(base.variance_dn2, others.pooled, strict=True)
+        ])  # fmt: skip
+        return cls(evidence, means, variance)
+
+    @property
+    def n_codes(self) -> int:
+        """Codes run 0 .. n_codes - 1."""
+        return self.evidence.sensor.camera.full_scale_dn + 1
+
+    def touched_by(self, faults: Sequence[CodeFault], b: int) -> bool:
+        """Return whether any code that the pixels of block `b` give is changed by any fault."""
+        return are_touched(self.means[b], self.variance[b], faults, self.n_codes - 1)
+
+    def moments(self, faults: Sequence[CodeFault], b: int) -> PixelMoments:
+        """Return the moments of a block's pixels, flat, tap by tap: each has its own noise."""
+        sensor, seen = self.evidence.sensor, self.evidence.sums[b].sigma_dn
+        whole: dict[str, Floats] = {}
+        for tap in range(sensor.n_taps):
+            of_tap = sensor.tap == tap
+            acting = [fault for fault in faults if fault.acts_on(tap)]
+            part = pixel_moments(
+                self.means[b][of_tap],
+                self.variance[b][of_tap],
+                seen[of_tap],
+                acting,
+                self.n_codes - 1,
+            )
+            for each in fields(part):
+                found = getattr(part, each.name)
+                whole.setdefault(each.name, np.zeros((sensor.n_pixels, *found.shape[1:])))
+                if found.any():
+                    whole[each.name][of_tap.ravel()] = found
+        return PixelMoments(**whole)
+
+    def moments_without(self, b: int) -> PixelMoments:
+        """Return the moments of a block's pixels without faults."""
+        if b not in self._moments:
+            self._moments[b] = self.moments((), b)
+        return self._moments[b]
+
+    def codes_about(self, means: Floats, b: int, tap: int | None) -> Floats:
+        """Return the samples by code of block `b` about the `means` of its pixels, (n_codes,).
+
+        All taps where `tap` is None.
+        """
+        # Means are known here, and samples scatter about them by all of their noise.
+        n, variance = float(self.evidence.n[b]), self.variance[b]
+        whole = variance + (variance - 1.0 / 12.0) / max(n - 1.0, 1.0)
+        if tap is not None:
+            of_tap = self.evidence.sensor.tap == tap
+            means, whole = means[of_tap], whole[of_tap]
+        return about_means(means, whole, n, self.n_codes, SOME_PIXELS)
+
+    def codes_without(self, b: int, tap: int | None) -> Floats:
+        """Return the samples by code of block `b` without faults, (n_codes,)."""
+        if (b, tap) not in self._codes:
+            self._codes[b, tap] = self.codes_about(self.means[b], b, tap)
+        return self._codes[b, tap]
+
+    @cached_property
+    def _moments(self) -> dict[int, PixelMoments]:
+        return {}
+
+    @cached_property
+    def _codes(self) -> dict[tuple[int, int | None], Floats]:
+        return {}
+
+
+class LatestSurroundings:
+    """The surroundings that were asked for last, by what they follow from."""
+
+    def __init__(self) -> None:
+        """Know none."""
+        self._latest: tuple[tuple[Hashable, Surroundings], ...] = ()
+
+    def of(self, key: Hashable, made: Callable[[], Surroundings]) -> Surroundings:
+        """Return the surroundings of that key, made where they are not among the latest."""
+        for known, surroundings in self._latest:
+            if known == key:
+                return surroundings
+        found = made()
+        self._latest = ((key, found), *self._latest[: KEPT - 1])
+        return found
+
+
+def _of_pixels(pooled: Floats, evidence: Evidence) -> Floats:
+    """Return each pixel's change of variance, (n_rows, n_columns), of one block's statistics."""
+    group = np.minimum(evidence.sensor.group, evidence.sensor.n_groups - 1)
+    return np.asarray(pooled[evidence.pooled.places["variance"]][group])
