@@ -61,10 +61,8 @@ def growing_pixels(
     variance = np.maximum(_measured(sums, sensor), baseline.variance_dn2.reshape(means.shape))
     n = np.array([each.n_lines for each in sums], np.float64)
     weight = np.where(usable, n[:, None] / variance, 0.0)
-    exposure = np.broadcast_to(table.exposure_us[:, None], means.shape)
     dose = baseline.dose.reshape(means.shape)
-    regressors = np.stack([np.ones_like(means), _scaled(dose), _scaled(exposure)])
-    growth, std, excess = _fitted(means - common[:, None], weight, regressors)
+    growth, std, excess = fitted_growth(means - common[:, None], weight, dose, table.exposure_us)
     told = np.isfinite(std)
     z = np.where(told, growth / np.where(told, std, 1.0), 0.0)
     middle = float(np.median(z[told])) if told.any() else 0.0
@@ -76,6 +74,21 @@ def growing_pixels(
     keep = rate > 0
     pixels, rate = pixels[keep], rate[keep]
     return Growing(pixels, rate, variance[:, pixels] * excess[pixels])
+
+
+def fitted_growth(
+    means: Floats, weight: Floats, dose: Floats, exposure_us: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Return each pixel's growth in the longest exposure, its std, and excess of variance.
+
+    Args:
+        means: To be fitted by offset, slope and growth, DN, (n_blocks, n_pixels).
+        weight: Inverse variances, likewise.
+        dose: What the slope multiplies, likewise.
+        exposure_us: What the growth multiplies, (n_blocks,): exposures, or what counts as such.
+    """
+    exposure = np.broadcast_to(exposure_us[:, None], means.shape)
+    return _fitted(means, weight, np.stack([np.ones_like(means), _scaled(dose), _scaled(exposure)]))
 
 
 def _scaled(values: Floats) -> Floats:

@@ -21,7 +21,7 @@ from calib.forward.parameter import parameters_of
 
 Floats = NDArray[np.float64]
 
-TOLD = ("pixels", "widths_dn")
+TOLD = ("pixels", "widths_dn", "rates_e_per_us")
 """Parameters that tell what a pattern's seed would draw."""
 
 

@@ -18,6 +18,8 @@ HELD = 0.995
 CLOSE = 25.0
 """Only names within so much tempered deviance of the best one are fitted."""
 MOST_FITTED = 2
+RATES = "rates_e_per_us"
+"""A parameter whose numbers are each fitted to a pixel of its own."""
 
 
 @dataclass(frozen=True)
@@ -36,15 +38,27 @@ class Candidate:
 
 
 class Explained(NamedTuple):
-    """What a name explains in the place of a finding, as deviance, and its price."""
+    """What a name explains in the place of a finding, as deviance, and its price.
+
+    Of that, `pixels` numbers have cost 2 each that were fitted to one pixel each.
+    """
 
     deviance: float
     price: float
+    pixels: float = 0.0
 
     @property
     def net(self) -> float:
         """What is left of it after the price."""
         return self.deviance - self.price
+
+    def price_at(self, tempered: float) -> float:
+        """Return the price where deviance counts so much.
+
+        What a pixel's own number explains by chance, 1, and spoils elsewhere, as much, is a part of
+        what is explained, and counts as that does: thousands of them would outweigh all of it.
+        """
+        return self.price - 2.0 * self.pixels * (1.0 - tempered)
 
 
 def candidates_of(k: int, model: Model, contest: Contest) -> tuple[Candidate, ...]:
@@ -71,15 +85,18 @@ def explained_by(k: int, model: Model, contest: Contest) -> dict[str, Explained]
             price = deviance - own.net - now + contest.penalised(fitted)
             each = _explained(deviance, price, shape)
         # The search has found nothing that is better, and what is not fitted is no proof of it.
-        most = own.deviance + (each.price - own.price) / temper(gain)
-        found[score.name] = Explained(min(each.deviance, most), each.price)
+        dearer = each.price_at(temper(gain)) - own.price_at(temper(gain))
+        most = own.deviance + dearer / temper(gain)
+        found[score.name] = each._replace(deviance=min(each.deviance, most))
     return found
 
 
 def _explained(deviance: float, price: float, shape: Shape) -> Explained:
     """Return what is explained with what whitened counts have less of, which is no price."""
     credit = max(-shape.cost, 0.0)
-    return Explained(deviance + credit, price + credit)
+    rates = [unit for name, unit, _ in shape.varied if name == RATES and isinstance(unit, tuple)]
+    pixels = min(float(sum(map(len, rates))), shape.freedom)
+    return Explained(deviance + credit, price + credit, pixels)
 
 
 def told(
@@ -90,7 +107,10 @@ def told(
     Errors of signatures temper what is explained; a price, the odds before anything was seen and
     what freedom costs, they do not. Against the names stand the odds of `none` of them.
     """
-    odds = {name: 0.5 * (tempered * one.deviance - one.price) for name, one in explained.items()}
+    odds = {
+        name: 0.5 * (tempered * one.deviance - one.price_at(tempered))
+        for name, one in explained.items()
+    }
     top = max(odds.values())
     weights = {name: exp(each - top) for name, each in odds.items()}
     named = sum(weights.values())

@@ -6,6 +6,7 @@ import numpy as np
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.all_signatures import all_signatures
+from calib.diagnosis.naming.dark_rates import dark_rate_shapes
 from calib.diagnosis.naming.grids import Scales
 from calib.diagnosis.naming.shapes import departures, shapes_of
 from calib.diagnosis.naming.signatures import Signature
@@ -55,5 +56,8 @@ def signatures_of(
     scales, lacking = scales_of(evidence, responder), not_testable(evidence)
     kinds = [kind for kind in departures() if kind.name not in lacking]
     told = told_shapes(evidence)
-    shapes = [told[k.name] if k.name in told else shapes_of(k, scales) for k in kinds]
+    shapes = [
+        told[k.name] if k.name in told else shapes_of(k, scales) + dark_rate_shapes(k, evidence)
+        for k in kinds
+    ]
     return all_signatures(shapes, evidence, responder, progress)

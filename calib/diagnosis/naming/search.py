@@ -51,13 +51,26 @@ def find(contest: Contest, nothing: Model) -> Model:
     """
     model = _searched(contest, nothing)
     for free in (SETTINGS, SETTINGS | COURSES):
+        opened = replace(contest, free=free)
         left = unexplained_deviance(model, contest.evidence)
-        if len(model.members) <= 1 and left == 0.0:
+        if len(model.members) <= 1 and left == 0.0 and not _outdone(model, opened, nothing):
             break
-        freed = _searched(replace(contest, free=free), nothing)
+        freed = _searched(opened, nothing)
         told = [m for m in (freed, _shaped(freed, contest)) if _is_told(m, contest)]
         model = min((model, *told), key=lambda m: _cost(m, contest))
     return supported(model, contest)
+
+
+def _outdone(model: Model, opened: Contest, nothing: Model) -> bool:
+    """Return whether another name, its law left free, explains more than the one that was found.
+
+    What a name leaves may be little enough to be excused, and still more than another would leave.
+    """
+    if not model.members:
+        return False
+    worth = opened.penalised(nothing) - opened.penalised(model) + CLOSE
+    best = opened.ranking(nothing, worth=worth)[0]
+    return best.net > worth and best.name != model.members[0].signature.shape.name
 
 
 def _is_told(model: Model, contest: Contest) -> bool:

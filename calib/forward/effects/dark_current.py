@@ -40,6 +40,7 @@ class DarkCurrent(Departure):
     physics: ClassVar[str] = "Charge gathers without light, in each pixel at its own rate: + d t."
     shows_in: ClassVar[Statistic] = "mean"
     depends_on: ClassVar[tuple[Variable, ...]] = ("exposure", "column")
+    smooth_law: ClassVar[Variable | None] = "column"
 
     electrons_per_us: float = parameter(0.01, unit="e-/us", low=0.0, high=1e6, neutral=0.0)
     dsnu_std_e_per_us: float = parameter(0.001, unit="e-/us", low=0.0, high=1e6, neutral=0.0)

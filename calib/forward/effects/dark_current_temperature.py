@@ -16,7 +16,7 @@ from calib.forward.conditions import Conditions
 from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
-from calib.forward.pattern import normal_pattern
+from calib.forward.pattern import check_length, explicit_pattern, normal_pattern, pixel_count
 from calib.forward.plan_needs import temperatures
 from calib.recording.header import Block, CameraHeader
 
@@ -40,6 +40,8 @@ class DarkCurrentTemperature(Departure):
         dsnu_seed: Which sensor of that kind it is.
         reference_c: The temperature at which the rates hold.
         doubling_k: The rise that doubles them.
+        rates_e_per_us: Rate of each pixel at that temperature, (*sample,); where given, in place of
+            the drawn one.
     """
 
     name: ClassVar[str] = "dark_current_temperature"
@@ -58,6 +60,7 @@ class DarkCurrentTemperature(Departure):
     dsnu_seed: int = parameter(0, unit="1", low=0)
     reference_c: float = parameter(25.0, unit="degree Celsius", low=-200.0, high=150.0)
     doubling_k: float = parameter(7.0, unit="K", low=3.0, high=16.0)
+    rates_e_per_us: tuple[float, ...] = parameter((), unit="e-/us", low=0.0, high=1e6)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """Expected electrons in and out, (n_lines, *sample)."""
@@ -66,9 +69,18 @@ class DarkCurrentTemperature(Departure):
 
     def rates(self, sample: SampleShape, temperature_c: float) -> Pixels:
         """Return the rate of each pixel at a temperature, e-/us, (*sample,)."""
-        pattern = normal_pattern(self.dsnu_seed, self.name, sample)
-        reference = np.maximum(self.electrons_per_us + self.dsnu_std_e_per_us * pattern, 0.0)
+        if self.rates_e_per_us:
+            reference = explicit_pattern(self.rates_e_per_us, sample)
+        else:
+            pattern = normal_pattern(self.dsnu_seed, self.name, sample)
+            reference = np.maximum(self.electrons_per_us + self.dsnu_std_e_per_us * pattern, 0.0)
         return np.asarray(reference * 2.0 ** ((temperature_c - self.reference_c) / self.doubling_k))
+
+    def check_camera(self, camera: CameraHeader) -> None:
+        """Raise InputError unless `rates_e_per_us` has one value per pixel."""
+        check_length(
+            self.rates_e_per_us, pixel_count(camera), f"effect {self.name}: rates_e_per_us"
+        )
 
     @classmethod
     def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:  # noqa: ARG003

@@ -41,6 +41,7 @@ class StrayLight(Departure):
     )
     shows_in: ClassVar[Statistic] = "mean"
     depends_on: ClassVar[tuple[Variable, ...]] = ("level", "exposure")
+    smooth_law: ClassVar[Variable | None] = "column"
 
     radiance: float = parameter(0.1, unit="radiance", low=0.0, high=1e9, neutral=0.0)
 

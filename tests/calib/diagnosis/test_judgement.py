@@ -62,3 +62,15 @@ def test_a_name_that_needs_more_freedom_is_less_likely_however_coarse_signatures
     found = told({"dear": dear, "cheap": cheap}, temper(gain))
     assert found[0].effect == "cheap"
     assert found[0].probability > HELD
+
+
+def test_a_number_for_each_pixel_is_paid_out_of_what_it_explains() -> None:
+    gain, pixels = 60_000.0, 2000
+    rates = Explained(gain, 2.0 * pixels, float(pixels))
+    worse = Explained(gain - 2.0 * pixels - 5000.0, 0.0)
+    # 5,000 less, after the price: a 55th of it counts, 91, and odds of exp(45).
+    assert told({"rates": rates, "worse": worse}, temper(gain))[0].effect == "rates"
+    better = Explained(gain - 2.0 * pixels + 1000.0, 0.0)
+    assert told({"rates": rates, "better": better}, temper(gain))[0].effect == "better"
+    # Where signatures are exact it costs what it has cost.
+    assert rates.price_at(1.0) == rates.price

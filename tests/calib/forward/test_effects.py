@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from calib.errors import InputError
 from calib.forward.conditions import Conditions
 from calib.forward.effects.banding import Banding
 from calib.forward.effects.dark_current import DarkCurrent
@@ -16,6 +17,7 @@ from calib.forward.effects.responsivity import Responsivity
 from calib.forward.effects.system_gain import SystemGain
 from calib.forward.effects.vignette import Vignette
 from calib.forward.parameter import parameters_of
+from calib.recording.header import CameraHeader
 
 RNG = np.random.default_rng(0)
 
@@ -85,6 +87,14 @@ def test_dark_current_doubles_with_the_doubling_temperature() -> None:
     dark = DarkCurrentTemperature(reference_c=20.0, doubling_k=7.0)
     cold, warm = dark.rates(64, 20.0), dark.rates(64, 34.0)
     assert np.allclose(warm, 4 * cold)
+
+
+def test_rates_of_pixels_that_are_told_double_too() -> None:
+    dark = DarkCurrentTemperature(reference_c=20.0, doubling_k=5.0, rates_e_per_us=(0.1, 0.0, 0.3))
+    assert np.allclose(dark.rates(3, 30.0), [0.4, 0.0, 1.2])
+    with pytest.raises(InputError, match="rates_e_per_us has 3 values; give 64") as caught:
+        dark.check_camera(CameraHeader(columns=64, bit_depth=12))
+    assert caught.value.code == "wrong-length"
 
 
 def test_dark_current_may_double_as_semiconductors_do_and_no_more_slowly() -> None:
