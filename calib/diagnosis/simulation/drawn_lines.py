@@ -31,7 +31,6 @@ class Drawn:
         drawn: Lines that were drawn of each block.
         ratio: Each pixel's variance over what is expected, (n_blocks, n_pixels).
         codes: Shares of samples by code, (n_blocks, n_codes); (n_blocks, 1) where there are none.
-        means: Of each pixel, DN, (n_blocks, n_pixels).
     """
 
     products: tuple[ResidualProducts, ...]
@@ -41,7 +40,6 @@ class Drawn:
     drawn: int
     ratio: Floats
     codes: Floats
-    means: Floats
 
     def pooled(self, variance: Floats, sensor: Sensor, counts: Counts) -> Floats:
         """Return the pooled statistics, (n_blocks, n_pooled).
@@ -95,18 +93,12 @@ def drawn_of(lines: Floats, chain: FittedChain, *, coded: bool) -> Drawn:
     kept = n - again.sum(axis=1)
     ratio = np.zeros((n_blocks, sensor.n_pixels))
     events = [RareEvents.none()] * n_blocks
-    counts, products, blocks, means = [], [], [], np.zeros_like(ratio)
+    counts, products, blocks = [], [], []
     for m in np.unique(kept):
         which = np.flatnonzero(kept == m)
         some = lines if m == n and len(which) == n_blocks else _without(lines, again, which)
-        mean, sigma = some.mean(axis=1), np.sqrt(variance[which])
-        means[which] = mean.reshape(len(which), -1)
-        cut, parts = CUT_SIGMA * sigma + 1.0, (sensor.tap, sensor.n_taps, sensor.partner)
-        found = stacked_products(some, mean, cut, *parts)
-        if found.outliers.any():
-            each = zip(some, mean, cut, found.outliers, strict=True)
-            mean = np.stack([settled_mean(*block) for block in each])
-            found = stacked_products(some, mean, cut, *parts)
+        sigma = np.sqrt(variance[which])
+        mean, found = _settled(some, sigma, sensor)
         counted = _rare(some, mean, sigma, found, n - int(m))
         for b, happened in zip(which.tolist(), counted, strict=True):
             events[b] = happened
@@ -118,8 +110,26 @@ def drawn_of(lines: Floats, chain: FittedChain, *, coded: bool) -> Drawn:
     return Drawn(
         tuple(products), tuple(blocks), tuple(counts),
         tuple(events), n, ratio,
-        _shares(lines, again, sensor, coded=coded), means,
+        _shares(lines, again, sensor, coded=coded),
     )  # fmt: skip
+
+
+def _settled(lines: Floats, sigma: Floats, sensor: Sensor) -> tuple[Floats, ResidualProducts]:
+    """Return pixels' means, DN, samples that stand out left out, and products about them.
+
+    Args:
+        lines: Of blocks, (n_blocks, n_lines, n_rows, n_columns).
+        sigma: Standard deviation of each pixel's noise, DN, (n_blocks, n_rows, n_columns).
+        sensor: The sensor.
+    """
+    mean, cut = lines.mean(axis=1), CUT_SIGMA * sigma + 1.0
+    parts = (sensor.tap, sensor.n_taps, sensor.partner)
+    found = stacked_products(lines, mean, cut, *parts)
+    if found.outliers.any():
+        each = zip(lines, mean, cut, found.outliers, strict=True)
+        mean = np.stack([settled_mean(*block) for block in each])
+        found = stacked_products(lines, mean, cut, *parts)
+    return mean, found
 
 
 def _without(lines: Floats, again: NDArray[np.bool_], which: NDArray[np.intp]) -> Floats:
