@@ -13,40 +13,56 @@ DIFFERS_SIGMA = 4.0
 
 def parameters_off(given: Model, evidence: Evidence) -> tuple[ParameterOff, ...]:
     """Return the parameters of `given` that the recording contradicts."""
+    compared = (*_of_noise(given, evidence), *_of_lines(given, evidence))
+    return tuple(p for p in compared if abs(p.fitted - p.model) > DIFFERS_SIGMA * p.std)
+
+
+def _of_noise(given: Model, evidence: Evidence) -> tuple[ParameterOff, ...]:
+    """Return what variances tell: the system gain, and the read noise."""
     truth, base = given.truth(), evidence.baseline
     gain, read = base.gain_dn_per_e, base.read_variance_dn2
     gain_std, read_std = noise_std(evidence)
     read_e = np.sqrt(np.maximum(read - 1.0 / 12.0, 0.0)) / np.maximum(gain, 1e-12)
     read_e_std = 0.5 * read_std / np.maximum(np.sqrt(np.maximum(read - 1 / 12, 0.01)) * gain, 1e-12)
+    return (
+        ParameterOff(
+            "system_gain.dn_per_e", truth.system_gain_dn_per_e, float(gain.mean()),
+            _std_of_mean(gain_std), "DN/e-",
+        ),
+        ParameterOff(
+            "read_noise.std_e", truth.read_noise_e, float(read_e.mean()),
+            _std_of_mean(read_e_std), "e-",
+        ),
+    )  # fmt: skip
+
+
+def _of_lines(given: Model, evidence: Evidence) -> tuple[ParameterOff, ...]:
+    """Return what pixels' means over their dose tell: the offset, and the responsivity."""
+    truth, base = given.truth(), evidence.baseline
+    gain, (gain_std, _) = max(float(base.gain_dn_per_e.mean()), 1e-12), noise_std(evidence)
     offset_std, slope_std = line_std(evidence)
     shape = base.offset_dn.shape
     offset = (base.offset_dn - truth.dark_offset_dn.reshape(shape)).mean()
     response = truth.responsivity.reshape(shape) * truth.vignette.reshape(shape)
     ratio = base.slope.mean() / response.mean()
     scale = _scale(given)
-    compared = (
-        ParameterOff(
-            "system_gain.dn_per_e", truth.system_gain_dn_per_e, float(gain.mean()),
-            float(np.sqrt((gain_std**2).mean() / len(gain))), "DN/e-",
-        ),
-        ParameterOff(
-            "read_noise.std_e", truth.read_noise_e, float(read_e.mean()),
-            float(np.sqrt((read_e_std**2).mean() / len(gain))), "e-",
-        ),
+    return (
         ParameterOff(
             "offset.mean_dn", float(truth.dark_offset_dn.mean()),
             float(truth.dark_offset_dn.mean() + offset), offset_std, "DN",
         ),
         ParameterOff(
             "responsivity.electrons_per_radiance_us", scale,
-            float(scale * ratio * truth.system_gain_dn_per_e / max(float(gain.mean()), 1e-12)),
-            float(scale * np.hypot(
-                slope_std / response.mean(),
-                np.sqrt((gain_std**2).mean() / len(gain)) / max(float(gain.mean()), 1e-12),
-            )), "e-/(radiance us)",
+            float(scale * ratio * truth.system_gain_dn_per_e / gain),
+            float(scale * np.hypot(slope_std / response.mean(), _std_of_mean(gain_std) / gain)),
+            "e-/(radiance us)",
         ),
     )  # fmt: skip
-    return tuple(p for p in compared if abs(p.fitted - p.model) > DIFFERS_SIGMA * p.std)
+
+
+def _std_of_mean(std: Columns) -> float:
+    """Return the standard uncertainty of the mean of independent numbers, one a tap."""
+    return float(np.sqrt((std**2).mean() / len(std)))
 
 
 def _scale(given: Model) -> float:

@@ -53,27 +53,51 @@ def differentiated(
     about = change
     if not isinstance(member.effect, CodeFault):
         k, members, change = _before_codes(k, members, change, evidence, responder)
-    size = RELATIVE_STEP * (abs(member.strength) or member.signature.strength)
-    trials = [(replace(member, strength=member.strength + size), size)]
-    found = []
-    if member.signature.shape.fixed:
-        trials, found = [], [_alone(k, members, change, evidence, responder)]
-    elif by_events(member):
-        alone = _alone(k, members, change, evidence, responder)
-        linear = is_of_events(member.signature.shape, responder)
-        power = 1.0 if linear else member.signature.power
-        trials, found = [], [alone * (power / member.strength)]
+    found = [_by_strength(k, members, change, evidence, responder)]
     for name, value in member.inner.items():
         inner = {**member.inner, name: value * float(np.exp(RELATIVE_STEP))}
-        trials.append((replace(member, inner=inner), RELATIVE_STEP))
-    for trial, step in trials:
-        effects = tuple(trial.effect if j == k else m.effect for j, m in enumerate(members))
-        found.append((change_of(effects, evidence, responder) - change) * (1.0 / step))
+        trial = replace(member, inner=inner)
+        found.append(_slope(k, trial, RELATIVE_STEP, members, change, evidence, responder))
     if not is_tone(member.effect):
         # A peak was chosen for its height: what it tells of slow courses is too much of them.
         found = [replace(each, tones=np.zeros_like(each.tones)) for each in found]
     points = tuple(evidence.whitening.derivative(each, about) for each in found)
     return replace(member, changes=tuple(found), directions=points)
+
+
+def _by_strength(
+    k: int,
+    members: Sequence[Member],
+    change: Change,
+    evidence: Evidence,
+    responder: Responder,
+) -> Change:
+    """Return the derivative by the strength of member `k`; of one without, all that it adds."""
+    member = members[k]
+    if member.signature.shape.fixed:
+        return _alone(k, members, change, evidence, responder)
+    if by_events(member):
+        alone = _alone(k, members, change, evidence, responder)
+        linear = is_of_events(member.signature.shape, responder)
+        power = 1.0 if linear else member.signature.power
+        return alone * (power / member.strength)
+    size = RELATIVE_STEP * (abs(member.strength) or member.signature.strength)
+    trial = replace(member, strength=member.strength + size)
+    return _slope(k, trial, size, members, change, evidence, responder)
+
+
+def _slope(  # noqa: PLR0917 - all that a difference hangs on
+    k: int,
+    trial: Member,
+    step: float,
+    members: Sequence[Member],
+    change: Change,
+    evidence: Evidence,
+    responder: Responder,
+) -> Change:
+    """Return what `trial`, a step from member `k`, changes beyond `change`, by step."""
+    effects = tuple(trial.effect if j == k else m.effect for j, m in enumerate(members))
+    return (change_of(effects, evidence, responder) - change) * (1.0 / step)
 
 
 def _before_codes(

@@ -55,36 +55,41 @@ def looks_at(model: Model, evidence: Evidence) -> tuple[Look, ...]:
 
 def _means(model: Model, evidence: Evidence) -> list[Look]:
     residual = model.residual.means
-    weight = evidence.space.weight
-    columns = np.linspace(-1.0, 1.0, residual.shape[1])
-    signal = (evidence.baseline.mean_dn - evidence.baseline.offset_dn).reshape(residual.shape)
     # Pixels that move together, as the lines of a block do, are not far off one by one.
     own = evidence.space.product(residual, residual)
     freedom = float(evidence.space.degrees_of_freedom)
-    looks = [Look("mean", ("column",), own, freedom, (residual**2).sum(axis=1))]
-    for depends, profile in (("time", np.ones_like(signal)), ("column", columns + 0 * signal)):
-        energies, freedom = np.zeros(len(residual)), 0
-        lines = evidence.n * evidence.sensor.n_rows
-        common = evidence.common
-        shared = [common.shared_dn2(float(s)) * common.memory for s in evidence.signal_dn] / lines
-        for b in range(len(residual)):
-            white = profile[b] * weight[b]
-            length2 = float(white @ white)
-            if length2 > 0:
-                along2 = float(white @ residual[b]) ** 2 / length2
-                inflated = 1.0 + shared[b] * length2 if depends == "time" else 1.0
-                energies[b], freedom = along2 / inflated, freedom + 1
-        absorbed = min(len(evidence.space.basis), max(freedom - 1, 0))
-        looks.append(
-            Look(
-                "mean",
-                (depends, "signal"),
-                float(energies.sum()),
-                max(freedom - absorbed, 1),
-                energies,
-            )
-        )
-    return looks
+    common, n_pixels = evidence.common, residual.shape[1]
+    shared = np.array([common.shared_dn2(float(s)) * common.memory for s in evidence.signal_dn])
+    shared = shared / (evidence.n * evidence.sensor.n_rows)
+    return [
+        Look("mean", ("column",), own, freedom, (residual**2).sum(axis=1)),
+        _along("time", np.ones(n_pixels), shared, residual, evidence),
+        _along("column", np.linspace(-1.0, 1.0, n_pixels), 0.0 * shared, residual, evidence),
+    ]
+
+
+def _along(
+    depends: str, profile: Floats, shared_dn2: Floats, residual: Floats, evidence: Evidence
+) -> Look:
+    """Return how far the blocks' means are off along a profile of the pixels.
+
+    Args:
+        depends: What it follows, from block to block, beside the signal.
+        profile: The same in all blocks, (n_pixels,).
+        shared_dn2: Variance of the profile's amplitude by noise that lines share, (n_blocks,).
+        residual: What is left of the means, whitened, (n_blocks, n_pixels).
+        evidence: The recording.
+    """
+    energies, freedom = np.zeros(len(residual)), 0
+    for b, weight in enumerate(evidence.space.weight):
+        white = profile * weight
+        length2 = float(white @ white)
+        if length2 > 0:
+            along2 = float(white @ residual[b]) ** 2 / length2
+            energies[b], freedom = along2 / (1.0 + shared_dn2[b] * length2), freedom + 1
+    absorbed = min(len(evidence.space.basis), max(freedom - 1, 0))
+    free = max(freedom - absorbed, 1)
+    return Look("mean", (depends, "signal"), float(energies.sum()), free, energies)
 
 
 def _pooled(model: Model, evidence: Evidence) -> list[Look]:

@@ -93,15 +93,13 @@ def _with_strength(
     tuples = [n for n in strengths if isinstance(getattr(template, n), tuple)]
     if tuples:
         name = tuples[0]
-        unit = getattr(template, name)
-        patterns = one_or_against_others(unit)
+        patterns = one_or_against_others(getattr(template, name))
         return [Shape(template, ((name, each, 0.0),), told[name].low < 0) for each in patterns]
     if not strengths or any(p.neutral == inf for p in told.values()):
         return [Shape(template, (), two_sided=False)]
     neutral = {n: float(told[n].neutral) for n in strengths}  # type: ignore[arg-type]
     size = {n: getattr(template, n) - neutral[n] for n in strengths}
-    linear = all(told[n].low < 0 for n in strengths) and len(strengths) > 1
-    if linear:
+    if len(strengths) > 1 and all(told[n].low < 0 for n in strengths):
         unit = max(abs(s) for s in size.values()) or 1.0
         rest = with_values(template, neutral)
         return [Shape(rest, ((n, unit, neutral[n]),), two_sided=True) for n in strengths]
@@ -111,11 +109,16 @@ def _with_strength(
     together = tuple((n, size[n], neutral[n]) for n in strengths if size[n] != 0)
     shapes = [Shape(template, together, all(told[n].low < neutral[n] for n in strengths))]
     if len(strengths) > 1:
-        biggest = max(size.values())
-        rest = with_values(template, neutral)
-        alone = tuple((n, biggest, neutral[n]) for n in strengths)
-        shapes += [Shape(rest, (one,), two_sided=False) for one in alone]
-        if camera.rows is not None and len(together) < len(strengths):
-            # What a line does not have, a frame may have as strongly as all else.
-            shapes.append(Shape(rest, alone, two_sided=False))
+        alone = tuple((n, max(size.values()), neutral[n]) for n in strengths)
+        frame = camera.rows is not None and len(together) < len(strengths)
+        shapes += _alone(with_values(template, neutral), alone, all_of_them=frame)
     return shapes
+
+
+def _alone(
+    rest: Departure, varied: tuple[tuple[str, float, float], ...], *, all_of_them: bool
+) -> list[Shape]:
+    """Return one shape for each of several strengths, and maybe of all, as strong as each other."""
+    shapes = [Shape(rest, (one,), two_sided=False) for one in varied]
+    # What a line does not have, a frame may have as strongly as all else.
+    return [*shapes, Shape(rest, varied, two_sided=False)] if all_of_them else shapes

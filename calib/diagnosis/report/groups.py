@@ -59,9 +59,10 @@ def groups_of(seen: Compared) -> tuple[tuple[Group, ...], tuple[Group, ...]]:
         """Return what these statistics show: explained, or still there."""
         return sum(max(before - after, after, 0.0) for before, after in (energy[k] for k in kinds))
 
-    follows = tuple(v for f in diagnosis.findings for v in f.where.depends_on)
+    places = [finding.where for finding in diagnosis.findings]
     if diagnosis.unexplained is not None:
-        follows = (*diagnosis.unexplained.where.depends_on, *follows)
+        places = [diagnosis.unexplained.where, *places]
+    follows = tuple(variable for where in places for variable in where.depends_on)
     groups = [
         *means_groups(seen, follows, weight("mean", "steps")),
         noise_group(seen, weight("variance", "kurtosis")),
@@ -74,13 +75,11 @@ def groups_of(seen: Compared) -> tuple[tuple[Group, ...], tuple[Group, ...]]:
         first_lines_group(seen, weight("onset")),
         rare_group(seen, weight("rare")),
     ]
-    named = {STATISTICS[f.where.statistic] for f in diagnosis.findings}
-    if diagnosis.unexplained is not None:
-        named.add(STATISTICS[diagnosis.unexplained.where.statistic])
+    named = {STATISTICS[where.statistic] for where in places}
     ranked = sorted(groups, key=lambda g: (g.name not in named, -g.weight))
     least = SHOWN_SHARE * max(g.weight for g in groups)
     shown = [g for k, g in enumerate(ranked) if k == 0 or g.name in named or g.weight > least]
     shown = shown[: max(MOST_SHOWN, len(named))]
-    if not diagnosis.findings and diagnosis.unexplained is None:
+    if not places:
         shown = [groups[0], groups[2]]
     return tuple(shown), tuple(g for g in ranked if g not in shown and g.panels)

@@ -9,6 +9,8 @@ Floats = NDArray[np.float64]
 
 SIGNIFICANT = 14.0
 """Deviance that shared noise has to explain before it counts."""
+ROUNDS = 6
+"""Of least squares, each with the scatter of the fit before."""
 
 
 @dataclass(frozen=True)
@@ -59,17 +61,9 @@ def fit_common_noise(
     best = (0.0, 0.0)
     least = _deviance(excess, white, white, freedom)
     for columns in ((1, 0), (0, 1), (1, 1)):
-        design = np.stack([np.ones_like(signal), signal**2], axis=1) * np.array(columns)
-        level = white.copy()
-        found = np.zeros(2)
-        for _ in range(6):
-            std = np.sqrt(2.0 / freedom) * level
-            solved = np.linalg.lstsq(design / std[:, None], excess / std, rcond=None)[0]
-            found = np.maximum(solved * np.array(columns), 0.0)
-            level = white + design @ found
-        deviance = _deviance(excess - design @ found, level, white, freedom)
+        found, deviance = _fitted(columns, excess, white, signal, freedom)
         if deviance + SIGNIFICANT * sum(columns) < least:
-            least, best = deviance + SIGNIFICANT * sum(columns), (float(found[0]), float(found[1]))
+            least, best = deviance + SIGNIFICANT * sum(columns), found
     if best == (0.0, 0.0):
         return CommonNoise(0.0, 0.0, 1.0)
     total = float((best[0] + best[1] * signal**2).sum())
@@ -79,6 +73,22 @@ def fit_common_noise(
         share = float(np.clip(ratio, 0.0, 1.0))
         return CommonNoise(*best, 1.0 + share * (n_rows - 1), share)
     return CommonNoise(*best, float(np.clip(1.0 + 2.0 * ratio, 0.1, 6.0)))
+
+
+def _fitted(
+    columns: tuple[int, int], excess: Floats, white: Floats, signal: Floats, freedom: Floats
+) -> tuple[tuple[float, float], float]:
+    """Return what is fixed, DN^2, and relative, where `columns` says so, and the deviance left."""
+    design = np.stack([np.ones_like(signal), signal**2], axis=1) * np.array(columns)
+    level = white.copy()
+    found = np.zeros(2)
+    for _ in range(ROUNDS):
+        std = np.sqrt(2.0 / freedom) * level
+        solved = np.linalg.lstsq(design / std[:, None], excess / std, rcond=None)[0]
+        found = np.maximum(solved * np.array(columns), 0.0)
+        level = white + design @ found
+    fixed, relative = found.tolist()
+    return (fixed, relative), _deviance(excess - design @ found, level, white, freedom)
 
 
 def _deviance(residual: Floats, level: Floats, white: Floats, freedom: Floats) -> float:

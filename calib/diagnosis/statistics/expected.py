@@ -30,49 +30,48 @@ def expected(
         counts: Its counts.
     """
     some = np.maximum(counts.pixels, 1.0)
-    v = grouped(variance, sensor) / some
-    v2 = grouped(variance**2, sensor) / some
-    k4 = grouped(kurtosis, sensor) / some
-    rows_of_tap = counts.present.sum(axis=0)
-    of_tap = _of_tap(variance, sensor, counts)
-    spread = float(np.sqrt((of_tap**2).mean()))
-    kept = settled(n)
-    of_row = float(of_tap.mean() / counts.taps_of_row)
-    # Of what follows in time: a line of a line sensor, or a frame.
-    whole = of_row / sensor.n_rows
-    next_row = of_row / np.sqrt((kept - 1) * sensor.n_rows)
-    phase = _rounding_error(v) / np.sqrt(2.0 * some)
+    v, v2, k4 = (grouped(x, sensor) / some for x in (variance, variance**2, kurtosis))
     mean = second_moments(variance, n, sensor, counts)
     mean["kurtosis"] = k4 / (3.0 * np.maximum(v2, 1e-300))
-    shared = np.array([1.0 / rows for rows in counts.shared_rows.values()] or [np.inf])
+    phase = _rounding_error(v) / np.sqrt(2.0 * some)
+    fourths = np.sqrt(24.0 / (n * some)) / 3.0
     std = {
         "variance": np.sqrt((2.0 * v2 / (n - 1) + k4 / n) / some + phase**2),
-        "kurtosis": np.where(
-            (v < ROUNDED_DN2) | (n < FEWEST_LINES), np.inf, np.sqrt(24.0 / (n * some)) / 3.0
-        ),
-        "rows": _std(v2, n, counts.rows),
+        "kurtosis": np.where((v < ROUNDED_DN2) | (n < FEWEST_LINES), np.inf, fourths),
+        "rows": _std(v2, n, counts.rows) if sensor.n_rows > 1 else np.full_like(v, np.inf),
         "partners": np.sqrt(
             float((variance**2).mean()) / (n - 1) / np.maximum(counts.partners, 1.0)
         ),
-        "common": np.sqrt(2.0 / ((kept - 1) * rows_of_tap)) * of_tap,
-        "common_taps": np.full(1, spread * np.sqrt(shared.sum() / (kept - 1)) / len(shared)),
-        "common_1": np.full(1, next_row if sensor.n_rows > 1 else whole / np.sqrt(kept)),
-        "common_2": np.full(
-            1, whole * np.sqrt(lagged_variance(kept, 1) if sensor.n_rows > 1 else 1.0 / kept)
-        ),
+        **_common_std(variance, settled(n), sensor, counts),
     }
-    if sensor.n_rows == 1:
-        std["rows"] = np.full_like(v, np.inf)
     for k in range(COLUMN_LAGS):
         std[f"columns_{k + 1}"] = _std(v2, n, counts.columns[k])
     for k in range(LINE_LAGS):
         std[f"lines_{k + 1}"] = (
             np.sqrt(v2 * lagged_variance(n, k + 1) / some) if n > k + 2 else np.full_like(v, np.inf)
         )
-    empty = counts.pixels == 0
     for kind in ("variance", "kurtosis"):
-        std[kind] = np.where(empty, np.inf, std[kind])
+        std[kind] = np.where(counts.pixels == 0, np.inf, std[kind])
     return Pooled(mean), Pooled(std)
+
+
+def _common_std(variance: Floats, n: int, sensor: Sensor, counts: Counts) -> dict[str, Floats]:
+    """Return by how much statistics of what a line's pixels have in common scatter in `n` lines."""
+    of_tap = _of_tap(variance, sensor, counts)
+    spread = float(np.sqrt((of_tap**2).mean()))
+    shared = np.array([1.0 / rows for rows in counts.shared_rows.values()] or [np.inf])
+    of_row = float(of_tap.mean() / counts.taps_of_row)
+    # Of what follows in time: a line of a line sensor, or a frame.
+    whole = of_row / sensor.n_rows
+    one, two = whole / np.sqrt(n), whole * np.sqrt(1.0 / n)
+    if sensor.n_rows > 1:
+        one, two = of_row / np.sqrt((n - 1) * sensor.n_rows), whole * np.sqrt(lagged_variance(n, 1))
+    return {
+        "common": np.sqrt(2.0 / ((n - 1) * counts.present.sum(axis=0))) * of_tap,
+        "common_taps": np.full(1, spread * np.sqrt(shared.sum() / (n - 1)) / len(shared)),
+        "common_1": np.full(1, one),
+        "common_2": np.full(1, two),
+    }
 
 
 def second_moments(variance: Floats, n: int, sensor: Sensor, counts: Counts) -> dict[str, Floats]:

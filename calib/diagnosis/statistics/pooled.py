@@ -83,14 +83,9 @@ def pooled(  # noqa: PLR0917 - all that they depend on
     size = counts.smallest_tap
     some = np.maximum(counts.pixels, 1.0)
     freedom = (n - 1) * (1.0 - 1.0 / size)
-    ratio = (
-        grouped(products.squares, sensor) / freedom / np.maximum(grouped(variance, sensor), 1e-300)
-    )
-    fourth = grouped(products.fourths, sensor) / n / 3.0
-    level = np.maximum(grouped(variance**2, sensor), 1e-300) * (freedom / n) ** 2
     of = {
         "variance": grouped(products.squares, sensor) / freedom / some,
-        "kurtosis": fourth / level - 2.0 * ratio + 1.0,
+        "kurtosis": _kurtosis(products, n, freedom, variance, sensor),
         "rows": grouped(products.rows, sensor) / (n - 1) / np.maximum(counts.rows, 1.0),
         "partners": products.partners.sum(axis=(-2, -1))
         / (n - 1)
@@ -104,6 +99,17 @@ def pooled(  # noqa: PLR0917 - all that they depend on
         total = grouped(products.lines[..., k, :, :], sensor) / pairs_of(n, k + 1)
         of[f"lines_{k + 1}"] = total / some
     return Pooled(of)
+
+
+def _kurtosis(
+    products: ResidualProducts, n: int, freedom: float, variance: Floats, sensor: Sensor
+) -> Floats:
+    """Return a third of the fourth cumulant over what is expected of variances squared."""
+    expected = np.maximum(grouped(variance, sensor), 1e-300)
+    ratio = grouped(products.squares, sensor) / freedom / expected
+    fourth = grouped(products.fourths, sensor) / n / 3.0
+    level = np.maximum(grouped(variance**2, sensor), 1e-300) * (freedom / n) ** 2
+    return np.asarray(fourth / level - 2.0 * ratio + 1.0)
 
 
 def settled(n: int) -> int:
