@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from calib.diagnosis.diagnose import responder_of, scales_of
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest
@@ -15,10 +14,12 @@ from calib.diagnosis.naming.dark_rates import (
     growth_dn,
 )
 from calib.diagnosis.naming.judgement import candidates_of
+from calib.diagnosis.naming.looked_for import scales_of
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.search import find
 from calib.diagnosis.naming.shapes import shapes_of
 from calib.diagnosis.naming.signatures import signature
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.departure import Departure
 from calib.forward.effects.amplifier_glow import AmplifierGlow
 from calib.forward.effects.dark_current import DarkCurrent

@@ -7,15 +7,16 @@ import pytest
 from numpy.random import default_rng
 
 from calib.arrays import Lines, Pixels, SampleShape
-from calib.diagnosis.diagnose import responder_of, scales_of
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest, contribution
+from calib.diagnosis.naming.looked_for import scales_of
 from calib.diagnosis.naming.model import Member, Model
 from calib.diagnosis.naming.remainder import unexplained_deviance
 from calib.diagnosis.naming.search import find
 from calib.diagnosis.naming.shapes import shapes_of
 from calib.diagnosis.naming.signatures import signature
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.conditions import Conditions
 from calib.forward.departure import Departure
 from calib.forward.effects.amplifier_glow import AmplifierGlow
