@@ -52,18 +52,31 @@ def groups_of_sums(figures: Figures) -> tuple[tuple[Group, ...], tuple[Group, ..
 
 def groups_of(seen: Compared) -> tuple[tuple[Group, ...], tuple[Group, ...]]:
     """Return the groups that matter, and the others, each in order of what it shows."""
-    energy = seen.energies()
     diagnosis = seen.examined.diagnosis
+    places = [finding.where for finding in diagnosis.findings]
+    if diagnosis.unexplained is not None:
+        places = [diagnosis.unexplained.where, *places]
+    follows = tuple(variable for where in places for variable in where.depends_on)
+    groups = _weighed(seen, follows)
+    named = {STATISTICS[where.statistic] for where in places}
+    ranked = sorted(groups, key=lambda g: (g.name not in named, -g.weight))
+    least = SHOWN_SHARE * max(g.weight for g in groups)
+    shown = [g for k, g in enumerate(ranked) if k == 0 or g.name in named or g.weight > least]
+    shown = shown[: max(MOST_SHOWN, len(named))]
+    if not places:
+        shown = [groups[0], groups[2]]
+    return tuple(shown), tuple(g for g in ranked if g not in shown and g.panels)
+
+
+def _weighed(seen: Compared, follows: tuple[str, ...]) -> list[Group]:
+    """Return all groups with what they show; `follows` is what the findings follow."""
+    energy = seen.energies()
 
     def weight(*kinds: str) -> float:
         """Return what these statistics show: explained, or still there."""
         return sum(max(before - after, after, 0.0) for before, after in (energy[k] for k in kinds))
 
-    places = [finding.where for finding in diagnosis.findings]
-    if diagnosis.unexplained is not None:
-        places = [diagnosis.unexplained.where, *places]
-    follows = tuple(variable for where in places for variable in where.depends_on)
-    groups = [
+    return [
         *means_groups(seen, follows, weight("mean", "steps")),
         noise_group(seen, weight("variance", "kurtosis")),
         neighbours_group(
@@ -75,11 +88,3 @@ def groups_of(seen: Compared) -> tuple[tuple[Group, ...], tuple[Group, ...]]:
         first_lines_group(seen, weight("onset")),
         rare_group(seen, weight("rare")),
     ]
-    named = {STATISTICS[where.statistic] for where in places}
-    ranked = sorted(groups, key=lambda g: (g.name not in named, -g.weight))
-    least = SHOWN_SHARE * max(g.weight for g in groups)
-    shown = [g for k, g in enumerate(ranked) if k == 0 or g.name in named or g.weight > least]
-    shown = shown[: max(MOST_SHOWN, len(named))]
-    if not places:
-        shown = [groups[0], groups[2]]
-    return tuple(shown), tuple(g for g in ranked if g not in shown and g.panels)

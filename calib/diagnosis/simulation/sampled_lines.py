@@ -19,6 +19,7 @@ from calib.diagnosis.statistics.pooled import ONSET_LINES
 from calib.forward.departure import Departure
 from calib.forward.effect import Effect
 from calib.forward.left import Left
+from calib.forward.remembering import Remembering
 
 Floats = NDArray[np.float64]
 
@@ -45,7 +46,7 @@ def sampled_lines(
 ) -> list[SampledLines]:
     """Return lines of each block; a tone leaves nothing in them, and is left out."""
     effects = tuple(_undivided(effect) for effect in effects if not is_tone(effect))
-    if any(_remembers(e) or chain.has_events(e) for e in effects):
+    if any(isinstance(e, Remembering) or chain.has_events(e) for e in effects):
         return _by_stretches(chain, effects, lefts, draw)
     return _by_three(chain, effects, draw)
 
@@ -151,10 +152,7 @@ def _undivided(effect: Effect) -> Effect:
 
 def _as_it_is(left: Left | None, effects: Sequence[Effect]) -> Left | None:
     """Return what was left on average as if drawn, where no effect takes it for whole electrons."""
-    if left is None or not all(hasattr(e, "partition_noise") for e in effects if _remembers(e)):
+    memories = [effect for effect in effects if isinstance(effect, Remembering)]
+    if left is None or not all(hasattr(effect, "partition_noise") for effect in memories):
         return left
     return replace(left, drawn=True)
-
-
-def _remembers(effect: Effect) -> bool:
-    return hasattr(effect, "carry")
