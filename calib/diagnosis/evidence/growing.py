@@ -17,14 +17,12 @@ from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
-from calib.diagnosis.statistics.noisy import few
+from calib.diagnosis.statistics.noisy import beyond, few
 
 Floats = NDArray[np.float64]
 
 CLEAR = 16.0
 """Deviance beyond 2 ln(pixels), what the largest of all has by chance."""
-MAD_OF_NORMAL = 0.6745
-"""Median absolute deviation of a standard normal variable."""
 
 
 @dataclass(frozen=True)
@@ -65,9 +63,7 @@ def growing_pixels(
     growth, std, excess = fitted_growth(means - common[:, None], weight, dose, table.exposure_us)
     told = np.isfinite(std)
     z = np.where(told, growth / np.where(told, std, 1.0), 0.0)
-    middle = float(np.median(z[told])) if told.any() else 0.0
-    spread = float(np.median(np.abs(z[told] - middle))) if told.any() else 0.0
-    z = (z - middle) / max(spread / MAD_OF_NORMAL, 1.0)
+    z = beyond(z, z[told] if told.any() else np.zeros(1))
     pixels = few(np.flatnonzero(told & (z > np.sqrt(CLEAR + 2.0 * log(len(z))))), len(z))
     typical = float(np.median(growth[told])) if told.any() else 0.0
     rate = (growth[pixels] - typical) / float(table.exposure_us.max())

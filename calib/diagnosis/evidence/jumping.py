@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.statistics.noisy import NOISY_SIGMA, few
+from calib.diagnosis.statistics.noisy import NOISY_SIGMA, beyond, few
 
 Floats = NDArray[np.float64]
 
@@ -27,8 +27,6 @@ SHOWS = 2.0
 ALIKE = 0.95
 """What grows explains so much more before it is preferred: of two exposures, one twice the other,
 a constant explains 0.9 of what grows with them; of two dark blocks of one exposure, all of it."""
-MAD_OF_NORMAL = 0.6745
-"""Median absolute deviation of a standard normal variable."""
 
 
 @dataclass(frozen=True)
@@ -59,9 +57,7 @@ def jumping_pixels(evidence: Evidence) -> Jumping:
     excess = measured - expected
     held = np.minimum(np.sqrt(weight) * excess, MOST_OF_A_BLOCK)
     z = (np.sqrt(weight) * held).sum(axis=0) / np.sqrt(np.maximum(weight.sum(axis=0), 1e-300))
-    middle = float(np.median(z))
-    z = (z - middle) / max(float(np.median(np.abs(z - middle))) / MAD_OF_NORMAL, 1.0)
-    far = z > NOISY_SIGMA
+    far = beyond(z, z) > NOISY_SIGMA
     ones = np.ones((evidence.n_blocks, 1))
     exposure = evidence.table.exposure_us[:, None] * ones
     light = np.maximum(evidence.signal_dn, 0.0)[:, None]

@@ -12,14 +12,13 @@ from calib.diagnosis.evidence.rare_space import whitened_counts
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.few_samples import excess_as_normal
+from calib.diagnosis.statistics.noisy import beyond
 
 Floats = NDArray[np.float64]
 
 NEAR_SIGMA, FAR_SIGMA = 5.0, 12.0
 """Pixels between these and beyond are counted, of their variances and of their means' misfit."""
 N_STEPS = 3
-MAD_OF_NORMAL = 0.6745
-"""Median absolute deviation of a standard normal variable."""
 
 
 def excess_variance(sums: Sequence[BlockSums], baseline: Baseline, counts: Counts) -> Floats:
@@ -36,8 +35,7 @@ def steps(z: Floats) -> Floats:
     """Return how many pixels stand out of all others: what all do is in the means."""
     if not z.any():
         return np.zeros(N_STEPS)
-    middle = np.median(z)
-    z = (z - middle) / max(float(np.median(np.abs(z - middle))) / MAD_OF_NORMAL, 1.0)
+    z = beyond(z, z)
     far = z > FAR_SIGMA
     kinds = ((z > NEAR_SIGMA) & ~far, far, z < -NEAR_SIGMA)
     return whitened_counts(np.array([kind.sum() for kind in kinds], np.float64))
