@@ -1,15 +1,15 @@
 """The histogram of all codes against what Gaussian noise about the fitted means would give."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.baseline.baseline import Baseline
+from calib.diagnosis.baseline.expected_codes import about_means, fine_blocks, own_means_hidden
 from calib.diagnosis.statistics.block_sums import BlockSums
-from calib.kernels.expected_histogram import expected_histogram
 
 Floats = NDArray[np.float64]
 
@@ -17,9 +17,6 @@ TAIL_CHANCE = 30.0
 """Variance of the counts at and below the lowest code, where Gaussian tails are not exact."""
 MOST_CONTRAST = 30.0
 """In standard deviations: one code that is far off is not the roughness of all."""
-SMOOTH_DN2 = 0.25
-"""Below this variance, 0.41 DN of noise, a pixel's mean is off by 0.012 DN or more with its phase
-in a code, and most of its samples share one: their histogram is no Gaussian about the mean."""
 CLASSES = 16
 """Codes are also counted by their remainder after this: what repeats within it is a comb."""
 BIT_ERROR = 0.0015
@@ -34,20 +31,23 @@ STEEP = 1.5
 """Neighbouring codes that differ by more than this factor are not compared."""
 EVEN = 0.2
 """A class whose expected share is off by more than this share hangs on the means."""
-MOSTLY = 0.9
-"""A lit block of which fewer pixels are usable saturates."""
 ENOUGH = 50.0
 """Codes with fewer samples expected than this are not judged one by one."""
-MOST_PIXELS = 4096
-"""Of each block; more give the same smooth expectation."""
 
 
 @dataclass(frozen=True)
 class CodeCounts:
-    """Observed and expected samples by code, (n_codes,) each, and how many were simulated."""
+    """Observed and expected samples by code.
+
+    Attributes:
+        observed: Of all blocks that count, (n_codes,).
+        expected: Likewise.
+        of_blocks: Expected of each of these blocks.
+    """
 
     observed: Floats
     expected: Floats
+    of_blocks: dict[int, Floats] = field(default_factory=dict)
 
     @classmethod
     def of(cls, sums: Sequence[BlockSums], baseline: Baseline) -> "CodeCounts":
@@ -57,12 +57,17 @@ class CodeCounts:
         observed = np.sum(histograms, axis=0).astype(np.float64)
         if not fine.any():
             observed[0] = 1.0
-        expected, hidden = np.zeros(len(observed)), own_means_hidden(baseline)
-        for b in np.flatnonzero(fine).tolist():
-            each = sums[b]
-            mean = baseline.mean_dn[b] if hidden[b] else each.mean_dn
-            expected += about_means(mean, baseline.variance_dn2[b], each.n_lines, len(observed))
-        return cls(observed, expected)
+        hidden, n_codes = own_means_hidden(baseline), len(observed)
+        of_blocks = {
+            b: about_means(
+                baseline.mean_dn[b] if hidden[b] else sums[b].mean_dn,
+                baseline.variance_dn2[b],
+                sums[b].n_lines,
+                n_codes,
+            )
+            for b in np.flatnonzero(fine).tolist()
+        }
+        return cls(observed, sum(of_blocks.values(), np.zeros(n_codes)), of_blocks)
 
     @property
     def samples(self) -> float:
@@ -187,50 +192,6 @@ class CodeCounts:
         """Variance of the codes' contrasts, relative, that counting gives, (n_codes,)."""
         inverse = 1.0 / np.maximum(self.expected, 1.0)
         return np.asarray(inverse + 0.25 * (np.roll(inverse, 1) + np.roll(inverse, -1)))
-
-
-def about_means(
-    mean: Floats, variance: Floats, n_lines: float, n_codes: int, most: int = MOST_PIXELS
-) -> Floats:
-    """Return the samples by code of a block of Gaussian noise about its pixels' means, (n_codes,).
-
-    Args:
-        mean: Of each pixel, DN, (n_rows, n_columns).
-        variance: Of its samples with rounding, DN^2, likewise.
-        n_lines: Lines of the block.
-        n_codes: Codes run 0 .. n_codes - 1.
-        most: So many pixels are looked at.
-    """
-    # An odd step meets all taps.
-    step = mean.size // most // 2 * 2 + 1
-    some = mean.ravel()[::step]
-    # Rounding is in the variance that was fitted, and done once more here. Samples scatter less
-    # about their own mean than about the true one.
-    before = np.maximum(variance.ravel()[::step] - 1.0 / 12.0, 0.01) * (1.0 - 1.0 / n_lines)
-    return expected_histogram(some, np.sqrt(before), n_lines * mean.size / len(some), n_codes)
-
-
-def own_means_hidden(baseline: Baseline) -> NDArray[np.bool_]:
-    """Return the blocks, (n_blocks,), whose codes stop: their means are not those of the light.
-
-    What other blocks say holds there.
-    """
-    return np.asarray(baseline.usable.mean(axis=(1, 2)) < MOSTLY)
-
-
-def fine_blocks(baseline: Baseline) -> NDArray[np.bool_]:
-    """Return the blocks, (n_blocks,), whose noise spreads samples over codes smoothly.
-
-    Full wells and codes at full scale spread them otherwise.
-    """
-    smooth = baseline.variance_dn2.mean(axis=(1, 2)) > SMOOTH_DN2
-    return np.asarray(smooth & ~saturated_blocks(baseline))
-
-
-def saturated_blocks(baseline: Baseline) -> NDArray[np.bool_]:
-    """Return the lit blocks, (n_blocks,), of which pixels are not usable: they are full."""
-    lit = baseline.dose.max(axis=(1, 2)) > 0
-    return np.asarray(lit & (baseline.usable.mean(axis=(1, 2)) < MOSTLY))
 
 
 def _contrast(values: Floats) -> Floats:

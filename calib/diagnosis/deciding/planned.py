@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.baseline.baseline import CLEAR_SIGMA, Baseline
-from calib.diagnosis.baseline.code_counts import MOST_PIXELS
+from calib.diagnosis.baseline.expected_codes import MOST_PIXELS
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.growing import Growing
 from calib.diagnosis.recorded.conditions_table import ConditionsTable

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.baseline.baseline import Baseline
-from calib.diagnosis.baseline.code_counts import CodeCounts, saturated_blocks
+from calib.diagnosis.baseline.code_counts import CodeCounts
+from calib.diagnosis.baseline.expected_codes import saturated_blocks
 from calib.diagnosis.baseline.nuisance import scene_blocks
 from calib.diagnosis.evidence.growing import Growing
 from calib.diagnosis.evidence.mean_space import MeanSpace

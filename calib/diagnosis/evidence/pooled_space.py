@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.baseline.baseline import Baseline
-from calib.diagnosis.baseline.code_counts import saturated_blocks
+from calib.diagnosis.baseline.expected_codes import saturated_blocks
 from calib.diagnosis.evidence.noise_directions import noise_directions
 from calib.diagnosis.evidence.rare_space import RareSpace
 from calib.diagnosis.evidence.shared_noise import SharedNoise

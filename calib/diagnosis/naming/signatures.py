@@ -72,7 +72,9 @@ def _first_look(
     shape: Shape, evidence: Evidence, responder: Responder, start: float
 ) -> tuple[Signature, list[tuple[float, float]]]:
     """Return one draw at about the strength that is wanted, and (strength, length) of all tried."""
-    strength, kept = start, None
+    # How often codes are at fault, the recording itself has told.
+    told = isinstance(shape.template, CodeFault)
+    (strength, most), kept = (1.0, np.inf) if told else (start, AIM * NEAR), None
     tried: list[tuple[float, float]] = []
     for _ in range(TRIALS):
         found = _taken(shape, strength, evidence, responder, once=True)
@@ -80,7 +82,7 @@ def _first_look(
         # Rare events do not happen in a few lines where they are as rare as wanted.
         if found.length > AIM / NEAR and (kept is None or found.length < kept.length):
             kept = found
-        if shape.fixed or AIM / NEAR < found.length < AIM * NEAR:
+        if shape.fixed or AIM / NEAR < found.length < most:
             break
         power = _power(tried)
         grow = 30.0 if found.length < FEWEST_SIGMA else (AIM / found.length) ** (1 / power)

@@ -4,16 +4,16 @@ Beside other effects it is that about the means and the noise which these leave:
 set hangs on where a pixel stands.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import poisson
 
-from calib.diagnosis.baseline.code_counts import fine_blocks, own_means_hidden
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.simulation.fault_codes import change_of_codes
 from calib.diagnosis.simulation.fault_moments import PixelMoments
 from calib.diagnosis.simulation.fault_surroundings import Surroundings
 from calib.diagnosis.statistics.change import Change
@@ -54,7 +54,8 @@ def change_of_faults(faults: Sequence[CodeFault], surroundings: Surroundings) ->
         w * each.squares / v.ravel()
         for w, each, v in zip(weight, blocks, evidence.baseline.variance_dn2, strict=True)
     )
-    codes = _codes(means + moved.reshape(means.shape), faults, surroundings)
+    added = np.stack([each.squares for each in blocks]).reshape(means.shape)
+    codes = change_of_codes(faults, moved.reshape(means.shape), added, surroundings)
     return replace(
         no_change(evidence),
         means=moved,
@@ -135,39 +136,3 @@ def _rates(moments: PixelMoments, n: int, sensor: Sensor) -> Floats:
     rates[RARE.index("tracks")] = float((single.sum(axis=1) * track).mean())
     rates[RARE.index("noisy_pixels")] = float(often.mean())
     return rates
-
-
-def _codes(moved: Floats, faults: Sequence[CodeFault], surroundings: Surroundings) -> Floats:
-    """Return the change of code shares about what pixels' own means lead to expect, (n_codes,)."""
-    evidence, base = surroundings.evidence, surroundings.evidence.baseline
-    found, samples, hidden = np.zeros(surroundings.n_codes), 0.0, own_means_hidden(base)
-    for b in np.flatnonzero(fine_blocks(base)).tolist():
-        samples += float(evidence.n[b]) * moved[b].size
-        if not surroundings.touched_by(faults, b):
-            continue
-        about = base.mean_dn[b] if hidden[b] else moved[b]
-        for tap, acting in _together(faults, evidence.sensor):
-            found += _mapped(surroundings.codes_without(b, tap), acting)
-            found -= surroundings.codes_about(about, b, tap)
-    return found / max(samples, 1.0)
-
-
-def _together(
-    faults: Sequence[CodeFault], sensor: Sensor
-) -> Iterator[tuple[int | None, list[CodeFault]]]:
-    """Yield the taps whose pixels have the same faults, None for all, and which these are."""
-    if all(fault.only_tap is None for fault in faults):
-        yield None, list(faults)
-        return
-    for tap in range(sensor.n_taps):
-        yield tap, [fault for fault in faults if fault.acts_on(tap)]
-
-
-def _mapped(samples: Floats, faults: Sequence[CodeFault]) -> Floats:
-    """Return the samples by code after the faults, (n_codes,)."""
-    every = np.arange(len(samples), dtype=np.float64)
-    for fault in faults:
-        to = np.clip(fault.faulty(every), 0, len(samples) - 1).astype(np.intp)
-        moved = np.bincount(to, samples, minlength=len(samples))
-        samples = (1.0 - fault.chance) * samples + fault.chance * moved
-    return samples

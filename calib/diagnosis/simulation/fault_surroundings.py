@@ -10,7 +10,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.baseline.code_counts import about_means
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.simulation.fault_chances import are_touched
 from calib.diagnosis.simulation.fault_moments import PixelMoments, pixel_moments
@@ -19,8 +18,6 @@ from calib.forward.code_fault import CodeFault
 
 Floats = NDArray[np.float64]
 
-SOME_PIXELS = 256
-"""Of each block, whose codes stand for all."""
 LEAST_DN2 = 0.1
 """Other effects leave a pixel at least so much variance."""
 KEPT = 2
@@ -88,31 +85,8 @@ class Surroundings:
             self._moments[b] = self.moments((), b)
         return self._moments[b]
 
-    def codes_about(self, means: Floats, b: int, tap: int | None) -> Floats:
-        """Return the samples by code of block `b` about the `means` of its pixels, (n_codes,).
-
-        All taps where `tap` is None.
-        """
-        # Means are known here, and samples scatter about them by all of their noise.
-        n, variance = float(self.evidence.n[b]), self.variance[b]
-        whole = variance + (variance - 1.0 / 12.0) / max(n - 1.0, 1.0)
-        if tap is not None:
-            of_tap = self.evidence.sensor.tap == tap
-            means, whole = means[of_tap], whole[of_tap]
-        return about_means(means, whole, n, self.n_codes, SOME_PIXELS)
-
-    def codes_without(self, b: int, tap: int | None) -> Floats:
-        """Return the samples by code of block `b` without faults, (n_codes,)."""
-        if (b, tap) not in self._codes:
-            self._codes[b, tap] = self.codes_about(self.means[b], b, tap)
-        return self._codes[b, tap]
-
     @cached_property
     def _moments(self) -> dict[int, PixelMoments]:
-        return {}
-
-    @cached_property
-    def _codes(self) -> dict[tuple[int, int | None], Floats]:
         return {}
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.baseline.baseline import Baseline
-from calib.diagnosis.baseline.code_counts import fine_blocks
+from calib.diagnosis.baseline.expected_codes import fine_blocks
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.diagnosis.simulation.drawing import Drawing
