@@ -40,6 +40,10 @@ class CodeFault(Departure):
     def faulty(self, codes: Lines) -> Lines:
         """Return what whole codes become that have it, of any shape."""
 
+    def slope(self, codes: Lines) -> Lines:
+        """Return by how much codes that have it move with what they would be, on average."""
+        return np.ones_like(codes)
+
     def acts_on(self, tap: int) -> bool:
         """Return whether the codes of a tap, from 0, may have it."""
         return self.only_tap is None or self.only_tap == tap

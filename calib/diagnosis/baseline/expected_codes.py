@@ -52,6 +52,11 @@ def fine_blocks(baseline: Baseline) -> NDArray[np.bool_]:
     return np.asarray(smooth & ~saturated_blocks(baseline))
 
 
+def stopped_blocks(baseline: Baseline) -> NDArray[np.bool_]:
+    """Return the blocks, (n_blocks,), whose codes stop amid their noise, at the lower end."""
+    return own_means_hidden(baseline) & fine_blocks(baseline)
+
+
 def saturated_blocks(baseline: Baseline) -> NDArray[np.bool_]:
     """Return the lit blocks, (n_blocks,), of which pixels are not usable: they are full."""
     lit = baseline.dose.max(axis=(1, 2)) > 0

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.baseline.code_counts import CodeCounts
-from calib.diagnosis.baseline.expected_codes import saturated_blocks
+from calib.diagnosis.baseline.expected_codes import saturated_blocks, stopped_blocks
 from calib.diagnosis.baseline.nuisance import scene_blocks
 from calib.diagnosis.evidence.growing import Growing
 from calib.diagnosis.evidence.mean_space import MeanSpace
@@ -101,7 +101,8 @@ class Evidence:
             return self.of_all.rare_space
         counts = np.stack([each.events.counts(self.sensor.noisy) for each in self.sums])
         variance = self.baseline.variance_dn2.mean(axis=(1, 2))
-        return RareSpace.of(counts, self.n, self.sensor.n_pixels, variance)
+        stopped = stopped_blocks(self.baseline)
+        return RareSpace.of(counts, self.n, self.sensor.n_pixels, variance, stopped)
 
     @cached_property
     def code_counts(self) -> CodeCounts:

@@ -36,7 +36,14 @@ class RareSpace:
     seen: Floats
 
     @classmethod
-    def of(cls, counts: Floats, n_lines: Floats, n_pixels: int, variance: Floats) -> "RareSpace":
+    def of(
+        cls,
+        counts: Floats,
+        n_lines: Floats,
+        n_pixels: int,
+        variance: Floats,
+        stopped: NDArray[np.bool_],
+    ) -> "RareSpace":
         """Return the space of a recording.
 
         Args:
@@ -44,6 +51,8 @@ class RareSpace:
             n_lines: Of each block.
             n_pixels: Of the sensor.
             variance: Mean variance of each block's samples, DN^2.
+            stopped: Blocks, (n_blocks,), whose codes stop amid their noise. What stands out there
+                does so of what is left of it, oftener by a factor for each tenth of the noise.
         """
         lines = n_lines + counts[:, RARE.index("identical_lines")]
         trials = np.stack([rare_trials(n, n_pixels) for n in lines])
@@ -51,9 +60,10 @@ class RareSpace:
         sums = []
         for k, name in enumerate(RARE):
             groups = range(len(CLASSES) + 1) if name in SINGLE else (None,)
+            told = ~stopped | (name == "identical_lines")
             for group in groups:
                 weight = np.zeros_like(trials)
-                used = np.ones(len(noise), bool) if group is None else noise == group
+                used = told if group is None else told & (noise == group)
                 # A pixel is noisy in all blocks or in none.
                 share = 1.0 / len(noise) if name == "noisy_pixels" else 1.0
                 weight[used, k] = share * trials[used, k]

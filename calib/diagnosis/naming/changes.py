@@ -12,6 +12,7 @@ from calib.diagnosis.simulation.events import Density, change_of_events, density
 from calib.diagnosis.simulation.fault_change import change_of_faults, no_change
 from calib.diagnosis.simulation.fault_surroundings import Surroundings
 from calib.diagnosis.simulation.response import Responder
+from calib.diagnosis.simulation.through_stops import through_stops
 from calib.diagnosis.simulation.with_values import with_values
 from calib.diagnosis.statistics.change import Change
 from calib.forward.code_fault import CodeFault
@@ -90,7 +91,8 @@ def _of_faults(
     surroundings = responder.surroundings.of(
         (others, once), lambda: Surroundings.beside(change, evidence)
     )
-    return _with_misfit(change + change_of_faults(faults, surroundings), evidence)
+    left = through_stops(change, faults, surroundings)
+    return _with_misfit(left + change_of_faults(faults, surroundings), evidence)
 
 
 def _of_events(

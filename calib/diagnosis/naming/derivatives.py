@@ -9,8 +9,10 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.changes import change_of
 from calib.diagnosis.naming.model import Member
 from calib.diagnosis.naming.signatures import is_of_events
+from calib.diagnosis.simulation.fault_surroundings import Surroundings
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.sampled_lines import is_tone
+from calib.diagnosis.simulation.through_stops import through_stops
 from calib.diagnosis.statistics.change import Change
 from calib.forward.code_fault import CodeFault
 
@@ -50,14 +52,18 @@ def differentiated(
     """Return member `k` with derivatives by its strength and by its inner logarithms."""
     member = members[k]
     assert change is not None  # noqa: S101 - members change something
-    about = change
+    about, faults = change, list[CodeFault]()
     if not isinstance(member.effect, CodeFault):
+        faults = [m.effect for m in members if isinstance(m.effect, CodeFault)]
         k, members, change = _before_codes(k, members, change, evidence, responder)
     found = [_by_strength(k, members, change, evidence, responder)]
     for name, value in member.inner.items():
         inner = {**member.inner, name: value * float(np.exp(RELATIVE_STEP))}
         trial = replace(member, inner=inner)
         found.append(_slope(k, trial, RELATIVE_STEP, members, change, evidence, responder))
+    if faults:
+        surroundings = Surroundings.beside(change, evidence)
+        found = [through_stops(each, faults, surroundings) for each in found]
     if not is_tone(member.effect):
         # A peak was chosen for its height: what it tells of slow courses is too much of them.
         found = [replace(each, tones=np.zeros_like(each.tones)) for each in found]
@@ -109,7 +115,8 @@ def _before_codes(
 ) -> tuple[int, Sequence[Member], Change]:
     """Return member `k` among those that are no faults of codes, and what these change.
 
-    What a fault makes of a small step of another effect is small of second order, and takes long.
+    What a fault makes of a small step of another effect is small of second order, and takes long,
+    but for what a stop leaves of covariances.
     """
     kept = [j for j, m in enumerate(members) if j == k or not isinstance(m.effect, CodeFault)]
     if len(kept) == len(members):

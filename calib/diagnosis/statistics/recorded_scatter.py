@@ -19,7 +19,7 @@ from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS
 Floats = NDArray[np.float64]
 
 WIDER = 1.2
-"""Variances beyond the baseline's by this factor are those that count."""
+"""Variances beyond the baseline's by this factor, or below, are those that count."""
 CLEAR_SIGMA = 5.0
 """So far beyond chance a fourth cumulant has to be."""
 
@@ -53,6 +53,7 @@ def as_recorded(
         counts: Its counts.
     """
     factor = wider(each, expected, sensor, counts)
+    factor = factor * _narrower(each, expected, sensor, counts)
     samples = np.maximum(each.n_lines * counts.pixels, 1.0)
     variance = factor * expected
     cumulant = _moment(each.products.fourths, each, sensor, counts) - 3.0 * variance**2
@@ -72,6 +73,19 @@ def as_recorded(
         cut**2 * np.sqrt(jumps) / (3.0 * np.maximum(expected, 1e-12) ** 2),
     )
     return Pooled(found)
+
+
+def _narrower(each: BlockSums, expected: Floats, sensor: Sensor, counts: Counts) -> Floats:
+    """Return by which factor the recorded variance is smaller, 1 or less, (n_groups,).
+
+    Where codes stop amid the noise little of it is left, and what lines share stands out of that.
+    """
+    freedom = max(each.n_lines - 1, 1)
+    variance = _moment(each.products.squares, each, sensor, counts) * each.n_lines / freedom
+    ratio = variance / np.maximum(expected, 1e-12)
+    chance = np.sqrt(2.0 / np.maximum(freedom * counts.pixels, 1.0))
+    clear = ratio < np.minimum(1.0 / WIDER, 1.0 - CLEAR_SIGMA * chance)
+    return np.where(clear & (ratio > 0.0), ratio, 1.0)
 
 
 def _moment(sums: Floats, each: BlockSums, sensor: Sensor, counts: Counts) -> Floats:

@@ -62,6 +62,10 @@ class BlackClip(CodeFault):
         below = np.maximum(float(self.level_dn) - codes, 0.0)
         return np.asarray(codes + below - np.floor(self.keeps * below))
 
+    def slope(self, codes: Lines) -> Lines:
+        """Return 1 above the level, and what comes through below."""
+        return np.where(codes > self.level_dn, 1.0, self.keeps)
+
     def check_camera(self, camera: CameraHeader) -> None:
         """Raise InputError unless the camera has codes above the level, and the tap."""
         super().check_camera(camera)

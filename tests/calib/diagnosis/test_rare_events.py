@@ -25,7 +25,9 @@ def test_the_derivative_of_counts_is_that_of_their_whitened_values() -> None:
     rng = default_rng()
     rates = 1e-4 * rng.random((6, len(RARE)))
     change = 1e-4 * rng.random((6, len(RARE)))
-    space = RareSpace.of(np.zeros_like(rates), np.full(6, 80.0), 64, np.geomspace(1.0, 30.0, 6))
+    space = RareSpace.of(
+        np.zeros_like(rates), np.full(6, 80.0), 64, np.geomspace(1.0, 30.0, 6), np.zeros(6, bool)
+    )
     step = 1e-6
     moved = (space.whitened(rates + step * change) - space.whitened(rates - step * change)) / 2
     np.testing.assert_allclose(moved / step, space.derivative(change, rates), rtol=1e-5, atol=1e-9)

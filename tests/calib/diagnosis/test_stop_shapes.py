@@ -8,6 +8,7 @@ from calib.diagnosis.naming.stop_shapes import stop_shapes
 from calib.forward.effect import Effect
 from calib.forward.effects.black_clip import BlackClip
 from calib.forward.effects.dark_current import DarkCurrent
+from calib.forward.effects.line_noise import LineNoise
 from calib.forward.effects.stuck_bit import StuckBit
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 
@@ -64,3 +65,14 @@ def test_a_soft_stop_of_one_tap_is_named() -> None:
     diagnosis = examine(recorded(TWO_TAPS, plan(rng, 100, twice=0), rng, (stop,))).diagnosis
     assert [finding.effect for finding in diagnosis.findings] == [stop]
     assert diagnosis.verdict != "unexplained"
+
+
+def test_line_noise_beside_a_strong_stop_is_told_at_its_own_strength() -> None:
+    rng, true = default_rng(), 0.3
+    effects = (LineNoise(true), BlackClip(64))
+    found = examine(recorded(plain_model(96), plan(rng, 100, twice=0), rng, effects)).diagnosis
+    # Half of the darks' samples lie below the level, and a quarter of what lines share is left.
+    assert [finding.effect.name for finding in found.findings] == ["black_clip", "line_noise"]
+    strength = found.findings[1].parameters["std_dn"]
+    assert abs(strength.value - true) < 5.0 * strength.std
+    assert strength.std < 0.15 * true
