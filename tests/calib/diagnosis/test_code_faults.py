@@ -1,12 +1,17 @@
 """What faults of codes do, told by the codes' chances, against samples that are drawn."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.random import default_rng
 
 from calib.diagnosis.diagnose import examine
+from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.naming.told_shapes import suspect_bits, told_shapes
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.fault_moments import pixel_moments
+from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.statistics.gather import block_sums
 from calib.forward.code_fault import CodeFault
 from calib.forward.effect import Effect
@@ -14,6 +19,7 @@ from calib.forward.effects.black_clip import BlackClip
 from calib.forward.effects.exposure_offset import ExposureOffset
 from calib.forward.effects.line_noise import LineNoise
 from calib.forward.effects.stuck_bit import StuckBit
+from calib.forward.effects.tap_crosstalk import TapCrosstalk
 from calib.recording.header import CameraHeader
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 
@@ -62,6 +68,27 @@ def test_samples_that_jump_far_widen_no_cut(chance: float) -> None:
     np.testing.assert_array_equal(sums.products.outliers[0], moved)
     # Each of 100 samples is off by 7 %, their median by six standard errors of that at most.
     assert abs(np.median(sums.sigma_dn) / 6.0 - 1.0) < 6.0 * 1.25 * 0.075 / np.sqrt(128)
+
+
+@pytest.mark.parametrize("fault", [StuckBit(0.3, 1, 0), StuckBit(0.1, 2, 1)])
+def test_codes_are_told_about_own_means_whatever_else_moves_these(fault: StuckBit) -> None:
+    rng = default_rng()
+    others = (ExposureOffset(6.0), TapCrosstalk(0.05, "odd_even"))
+    model = plain_model(96, bits=14, taps=2, layout="odd_even")
+    evidence = recorded(model, plan(rng), rng, (*others, fault))
+    assert suspect_bits(evidence)[0] == fault.bit
+    shapes = told_shapes(evidence)[StuckBit.name]
+    told = next(s.at(1.0) for s in shapes if s.template == replace(fault, probability=0.5))
+    # Some 1e6 samples, a half of which have the bit; means of codes hold a part of what is told.
+    assert isinstance(told, StuckBit)
+    assert abs(told.probability / fault.probability - 1.0) < 0.1
+    where = evidence.whitening.places["codes"]
+    change = change_of((fault,), evidence, responder_of(evidence))
+    left = (evidence.point(evidence.observed()) - evidence.point(change)).rest[where]
+    # Roughness, the last but two: a sum of squares of what is seen scatters by more than one of
+    # chance, by sqrt(1 + 2.7 R / sqrt(4 n)) of n codes that are compared, below 3 here.
+    left[-3] /= 3.0
+    assert np.abs(left).max() < 5.0
 
 
 @pytest.mark.parametrize(
