@@ -17,6 +17,7 @@ from calib.diagnosis.evidence.projection import orthonormal, without
 from calib.diagnosis.naming.laws import Laws, laws, leaves_parameters
 from calib.diagnosis.naming.model import Member
 from calib.diagnosis.naming.signatures import Signature
+from calib.diagnosis.simulation.sampled_lines import is_tone
 from calib.diagnosis.statistics.change import Change
 
 Floats = NDArray[np.float64]
@@ -43,7 +44,7 @@ def course(
         beside: Orthonormal directions in which other effects can adapt.
         evidence: The recording.
     """
-    own = _normal(signature.change, signature.point, signature.length)
+    own = _without_peaks(signature, evidence)
     adapting = [*beside, *orthonormal([without(own[1], beside, evidence)], evidence)]
     open_to = laws(signature, evidence)
     points = [evidence.point(each) for each in open_to.parts]
@@ -62,6 +63,19 @@ def course(
             change, point = change + part * float(share), point + direction * float(share)
         found += _rest(change, point, found, evidence)
     return tuple(found[len(first) :])
+
+
+def _without_peaks(signature: Signature, evidence: Evidence) -> tuple[Change, Point]:
+    """Return the normalised signature without what it does at peaks of the spectrum.
+
+    They were chosen for their height, and no law is told by them (see `derivatives`).
+    """
+    change, point, length = signature.change, signature.point, signature.length
+    if change.tones.any() and not is_tone(signature.shape.template):
+        change = replace(change, tones=np.zeros_like(change.tones))
+        point = evidence.point(change)
+        length = float(np.sqrt(max(evidence.product(point, point), 1e-300)))
+    return _normal(change, point, length)
 
 
 def _gram(points: Sequence[Point], evidence: Evidence) -> Floats:

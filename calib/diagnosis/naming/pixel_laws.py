@@ -20,6 +20,12 @@ KNOTS = 14
 """Of a function of the code: as many straight pieces, and one more."""
 BENDS = (3, 4, 5)
 """Powers of the signal besides those of the plainest bend."""
+TOES = (0.1, 0.3)
+"""Of the largest signal, over which a bend at the bottom of the range fades."""
+BARRIERS = (0.2, 0.4, 0.6)
+"""Of the largest signal, above which alone charge may stay for the next line."""
+TRAPS_FILLED = (0.1, 0.3, 1.0)
+"""Of the largest signal, which fills half of the traps that hold charge for the next line."""
 PROFILE_DEGREE = 5
 """Of light over the columns: what falls by e over a fifth of them is followed to 0.3 % of its
 largest."""
@@ -42,12 +48,13 @@ def laws_of_pixels(
     """
     if variable == "column" and smooth:
         return tuple(_profiles(change, evidence, stage))
-    own = replace(change * 0.0, means=change.means)
+    of = _OF_PIXELS[variable, smooth]
+    if stage is not Stage.CHARGE:
+        return tuple(of(change, evidence))
     # A border moves the flux of both its pixels or of one more than of the other: profiles
-    # lose up to twice as much for the same covariances.
-    profiles = (own,) if stage is Stage.CHARGE else ()
-    tied = change - own if profiles else change
-    return (*_OF_PIXELS[variable, smooth](tied, evidence), *profiles)
+    # lose up to twice as much for the same covariances, two columns on, too.
+    own = replace(change * 0.0, means=change.means)
+    return (*of(change - own, evidence), next(of(own, evidence)), own)
 
 
 def _profiles(like: Change, evidence: Evidence, stage: Stage) -> Iterator[Change]:
@@ -70,12 +77,15 @@ def _over_pixels(like: Change, evidence: Evidence, profile: Floats) -> Change:
 
 
 def _bends(like: Change, evidence: Evidence) -> Iterator[Change]:
-    """Yield powers of each pixel's signal."""
+    """Yield powers of each pixel's signal, and bends that fade as it grows."""
     signal = np.maximum(evidence.baseline.mean_dn - evidence.baseline.offset_dn, 0.0)
     top = max(float(signal.max()), 1e-300)
+    share = signal / top
     for power in BENDS:
-        share = signal / top
         yield _bent(like, evidence, top * share**power, power * share ** (power - 1))
+    for toe in TOES:
+        fading = np.exp(-share / toe)
+        yield _bent(like, evidence, top * share * fading, (1.0 - share / toe) * fading)
 
 
 def _corners(like: Change, evidence: Evidence) -> Iterator[Change]:
@@ -113,6 +123,28 @@ def _farther(like: Change, evidence: Evidence) -> Iterator[Change]:
     yield _over_borders(over * every_other, 1, like, evidence)
 
 
+def _kept(like: Change, evidence: Evidence) -> Iterator[Change]:
+    """Yield what first lines show where the charge that stays is another function of all charge.
+
+    Of charge q, g(q) waits for the next line: after a step from q to q', g(q) - g(q') is read, and
+    the mean of n lines is off by an nth of that.
+    """
+    signal = np.maximum(evidence.signal_dn, 0.0)
+    before = np.concatenate([signal[:1], signal[:-1]])
+    step = before - signal
+    per_line = step / evidence.n
+    of_step = step @ like.onset / max(float(step @ step), 1e-300)
+    of_mean = per_line @ like.means / max(float(per_line @ per_line), 1e-300)
+    top = max(float(signal.max()), 1e-300)
+    share = np.stack([before, signal]) / top
+    staying = [np.maximum(share - barrier, 0.0) for barrier in BARRIERS]
+    staying += [share / (1.0 + share / filled) for filled in TRAPS_FILLED]
+    for then, now in staying:
+        kept = top * (then - now)
+        means, onset = np.outer(kept / evidence.n, of_mean), np.outer(kept, of_step)
+        yield replace(like * 0.0, means=means, onset=onset)
+
+
 def _over_borders(over: Floats, distance: int, like: Change, evidence: Evidence) -> Change:
     """Return the change where so much, DN, comes to columns from those at a distance on."""
     gained = np.zeros((len(over), evidence.sensor.n_rows, evidence.sensor.n_columns))
@@ -132,6 +164,7 @@ def _later(like: Change, evidence: Evidence) -> Iterator[Change]:
 
 _OF_PIXELS: Mapping[tuple[Variable, bool], Callable[[Change, Evidence], Iterator[Change]]] = {
     ("signal", True): _bends,
+    ("signal", False): _kept,
     ("code", False): _corners,
     ("column", False): _farther,
     ("line", False): _later,

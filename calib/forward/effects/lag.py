@@ -48,6 +48,7 @@ class Lag(LineByLine):
     )
     shows_in: ClassVar[Statistic] = "transient"
     depends_on: ClassVar[tuple[Variable, ...]] = ("previous_block", "line", "signal")
+    any_law: ClassVar[Variable | None] = "signal"
 
     share: float = parameter(0.01, unit="1", low=0.0, high=0.9, neutral=0.0)
     partition_noise: float = parameter(1.0, unit="1", low=0.0, high=1.0)

@@ -83,3 +83,25 @@ def test_columns_that_couple_in_pairs_are_named_where_a_scene_shows_which() -> N
     assert member.course
     # Half of the pairs covary twice as much: the mean coupling is told.
     assert abs(told.column_coupling - coupling) < 4.5 * member.std[0] * coupling / member.strength
+
+
+class FarReaching(BrighterFatter):
+    """Columns two apart repel each other, too, half as much as neighbours."""
+
+    def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:
+        moved = np.array(super().apply(signal, at, rng))
+        far = BrighterFatter(row_per_e=0.5 * self.row_per_e)
+        for every_other in (slice(0, None, 2), slice(1, None, 2)):
+            apart = signal[..., every_other]
+            moved[..., every_other] += far.apply(apart, at, rng) - apart
+        return moved
+
+
+def test_charge_repelled_two_columns_on_is_brighter_fatter_alone_where_a_scene_shows_it() -> None:
+    rng = default_rng()
+    bar = np.where(np.arange(COLUMNS) % 9 < 4, 3.0, 0.6)
+    blocks = [*plan(rng, 60), Block(block="bar", kind="scene", scene="bar", exposure_us=1000.0,
+                                    level=0.0, lines=60)]  # fmt: skip
+    effect = FarReaching(row_per_e=2.0 * PER_E)
+    evidence = recorded(plain_model(COLUMNS), blocks, rng, (effect,), scenes={"bar": bar})
+    assert [m.effect.name for m in found_in(evidence).members] == ["brighter_fatter"]
