@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.baseline.baseline import Baseline
+from calib.diagnosis.baseline.code_contrasts import CodeContrasts
 from calib.diagnosis.baseline.expected_codes import about_means, fine_blocks, own_means_hidden
 from calib.diagnosis.statistics.block_sums import BlockSums
 
@@ -15,24 +16,16 @@ Floats = NDArray[np.float64]
 
 TAIL_CHANCE = 30.0
 """Variance of the counts at and below the lowest code, where Gaussian tails are not exact."""
-MOST_CONTRAST = 30.0
-"""In standard deviations: one code that is far off is not the roughness of all."""
 CLASSES = 16
 """Codes are also counted by their remainder after this: what repeats within it is a comb."""
 BIT_ERROR = 0.0015
 """Of the share in which a high bit is set: where its edges lie hangs on means, and on skewness."""
 UNEVEN_ERROR = 0.05
 """Likewise of a class's share, of what it differs by from that of all."""
-SHARE_ERROR = 0.01
-"""Likewise of a single code's, relative, where noise is low."""
 NEAR_END = 3
 """So many codes from the lowest on are not compared with others: codes may stop there."""
-STEEP = 1.5
-"""Neighbouring codes that differ by more than this factor are not compared."""
 EVEN = 0.2
 """A class whose expected share is off by more than this share hangs on the means."""
-ENOUGH = 50.0
-"""Codes with fewer samples expected than this are not judged one by one."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +91,9 @@ class CodeCounts:
         expected = np.array([self.expected[:low].sum(), self.expected[low]])
         tails = ends / np.sqrt(TAIL_CHANCE + expected)
         comb = self._by_class(mean) / self._class_std
-        return np.concatenate([comb, self.high_bits(mean), [self._roughness(shares)], tails])
+        return np.concatenate(
+            [comb, self.high_bits(mean), [self.contrasts.roughness(shares)], tails]
+        )
 
     def comb(self, period: int) -> Floats:
         """Return observed over expected samples by the code's remainder, (period,), of mean 1."""
@@ -131,68 +126,19 @@ class CodeCounts:
         Where single codes are found to be wide or narrow, classes scatter by that, too.
         """
         share = self._by_class(self.expected) / self.samples
-        scattered = self._by_class(self.expected**2) / self.samples**2 * self._scatter2
+        scattered = (
+            self._by_class(self.expected**2) / self.samples**2 * self.contrasts.width_variance
+        )
         hangs = (UNEVEN_ERROR * (share - 1.0 / CLASSES)) ** 2
         std = np.sqrt(np.maximum(share, 1e-12) / self.samples + scattered + hangs)
         return np.where(np.abs(share * CLASSES - 1.0) < EVEN, std, np.inf)
 
     @cached_property
-    def _scatter2(self) -> float:
-        """Variance of the codes' widths, as contrasts of neighbouring codes tell it."""
-        judged = self._judged
-        if judged.sum() < 8:
-            return 0.0
-        contrast, variance = self._contrasts(self.residual()[0])
-        return max(
-            float((np.minimum(contrast**2, MOST_CONTRAST**2 * variance) - variance).mean()) / 1.5,
-            0.0,
-        )
-
-    @cached_property
-    def _judged(self) -> NDArray[np.bool_]:
-        enough = self.expected > ENOUGH
-        judged = enough & np.roll(enough, 1) & np.roll(enough, -1)
-        # On the flank of a peak the shape of the noise counts, not the width of codes.
-        for way in (1, -1):
-            ratio = self.expected / np.maximum(np.roll(self.expected, way), 1e-9)
-            judged &= (ratio < STEEP) & (ratio > 1.0 / STEEP)
-        judged[: self._lowest + NEAR_END] = False
-        return judged
+    def contrasts(self) -> CodeContrasts:
+        """Codes against their neighbours."""
+        return CodeContrasts(self.observed, self.expected, self._lowest + NEAR_END)
 
     @cached_property
     def _lowest(self) -> int:
         """The lowest code that was seen."""
         return int(np.flatnonzero(self.observed)[0])
-
-    def _roughness(self, shares: Floats) -> float:
-        """Return the sum of squared contrasts of neighbouring codes beyond chance, over its std."""
-        judged = self._judged
-        n_judged = int(judged.sum())
-        if n_judged < 8:
-            return 0.0
-        one, variance = self._contrasts(shares[0])
-        other, _ = self._contrasts(shares[-1])
-        most = MOST_CONTRAST * np.sqrt(variance)
-        product = np.clip(one, -most, most) * np.clip(other, -most, most)
-        found = float((product / variance).sum())
-        if len(shares) == 1:
-            # Counts alone give the one, with all that the expectation may err by the other.
-            found -= float(np.clip(found, (self._counted[judged] / variance).sum(), n_judged))
-        return found / float(np.sqrt(4.0 * n_judged))
-
-    def _contrasts(self, share: Floats) -> tuple[Floats, Floats]:
-        """Return each judged code against its neighbours, relative, and the variance by chance."""
-        judged = self._judged
-        scale = self.samples / np.maximum(self.expected, 1e-9)
-        variance = self._counted + 1.5 * SHARE_ERROR**2
-        return _contrast(share * scale)[judged], variance[judged]
-
-    @cached_property
-    def _counted(self) -> Floats:
-        """Variance of the codes' contrasts, relative, that counting gives, (n_codes,)."""
-        inverse = 1.0 / np.maximum(self.expected, 1.0)
-        return np.asarray(inverse + 0.25 * (np.roll(inverse, 1) + np.roll(inverse, -1)))
-
-
-def _contrast(values: Floats) -> Floats:
-    return np.asarray(values - 0.5 * (np.roll(values, 1) + np.roll(values, -1)))

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from calib.diagnosis.baseline.baseline import Baseline
 from calib.kernels.expected_histogram import expected_histogram
@@ -13,6 +14,8 @@ SMOOTH_DN2 = 0.25
 in a code, and most of its samples share one: their histogram is no Gaussian about the mean."""
 MOSTLY = 0.9
 """A lit block of which fewer pixels are usable saturates."""
+SPLINED = 1.5
+"""In so many steps of noise or more, cubic splines run between steps."""
 MOST_PIXELS = 4096
 """Of each block; more give the same smooth expectation."""
 
@@ -26,13 +29,35 @@ def about_means(mean: Floats, variance: Floats, n_lines: float, n_codes: int) ->
         n_lines: Lines of the block.
         n_codes: Codes run 0 .. n_codes - 1.
     """
+    some, std, samples = _of_some(mean, variance, n_lines)
+    return expected_histogram(some, std, samples, n_codes)
+
+
+def between_edges(mean: Floats, variance: Floats, n_lines: float, edges: Floats) -> Floats:
+    """Return the same of codes that lie between edges, DN, (n_codes + 1,).
+
+    How many samples lie below is told at steps that noise is not small against, and by cubic
+    splines between these, which err by 1/384 of the fourth derivative (de Boor, A Practical Guide
+    to Splines, 2001): of 1.5 steps of noise, 1e-3 of the samples that its codes share.
+    """
+    some, std, samples = _of_some(mean, variance, n_lines)
+    n_codes, fine = len(edges) - 1, int(np.ceil(SPLINED / float(std.min())))
+    # A code's first part begins where the code does.
+    steps = expected_histogram(some * fine + 0.5 * (fine - 1), std * fine, samples, n_codes * fine)
+    ends = np.arange(n_codes * fine + 1) / fine - 0.5
+    below = CubicSpline(ends, np.concatenate([[0.0], np.cumsum(steps)]))
+    return np.diff(below(np.clip(edges, ends[0], ends[-1])))
+
+
+def _of_some(mean: Floats, variance: Floats, n_lines: float) -> tuple[Floats, Floats, float]:
+    """Return means and noise, DN, of pixels that stand for all, and the samples that each gives."""
     # An odd step meets all taps.
     step = mean.size // MOST_PIXELS // 2 * 2 + 1
     some = mean.ravel()[::step]
     # Rounding is in the variance that was fitted, and done once more here. Samples scatter less
     # about their own mean than about the true one.
     before = np.maximum(variance.ravel()[::step] - 1.0 / 12.0, 0.01) * (1.0 - 1.0 / n_lines)
-    return expected_histogram(some, np.sqrt(before), n_lines * mean.size / len(some), n_codes)
+    return some, np.sqrt(before), n_lines * mean.size / len(some)
 
 
 def own_means_hidden(baseline: Baseline) -> NDArray[np.bool_]:

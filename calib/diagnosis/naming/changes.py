@@ -13,11 +13,13 @@ from calib.diagnosis.simulation.fault_change import change_of_faults, no_change
 from calib.diagnosis.simulation.fault_surroundings import Surroundings
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.through_stops import through_stops
+from calib.diagnosis.simulation.width_codes import change_by_widths
 from calib.diagnosis.simulation.with_values import with_values
 from calib.diagnosis.statistics.change import Change
 from calib.forward.code_fault import CodeFault
 from calib.forward.departure import Departure
 from calib.forward.effect import Stage
+from calib.forward.effects.adc_dnl import AdcDnl
 from calib.forward.parameter import parameters_of
 
 Floats = NDArray[np.float64]
@@ -70,6 +72,9 @@ def _simulated(
         first = _with_misfit(responder.change(effects), evidence)
     if not once and any(needs_two_draws(effect, responder) for effect in effects):
         first = _compared(first, effects, evidence, responder)
+    for dnl in (effect for effect in effects if isinstance(effect, AdcDnl)):
+        codes = change_by_widths(dnl, responder.chain, evidence)
+        first = replace(first, codes=np.stack([codes, codes]))
     return replace(first, monitor=light_change(effects, evidence.table))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.all_signatures import all_signatures
+from calib.diagnosis.naming.code_credit import with_code_credit
 from calib.diagnosis.naming.dark_rates import dark_rate_shapes
 from calib.diagnosis.naming.grids import Scales
 from calib.diagnosis.naming.shapes import departures, shapes_of
@@ -60,4 +61,4 @@ def signatures_of(
         told[k.name] if k.name in told else shapes_of(k, scales) + dark_rate_shapes(k, evidence)
         for k in kinds
     ]
-    return all_signatures(shapes, evidence, responder, progress)
+    return with_code_credit(all_signatures(shapes, evidence, responder, progress), evidence)

@@ -1,0 +1,58 @@
+"""Bits that stick and codes that are wide: what the counts of single codes say of either."""
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.all_signatures import all_signatures
+from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.naming.code_credit import LOW_BITS, with_code_credit
+from calib.diagnosis.naming.told_shapes import told_shapes
+from calib.diagnosis.simulation.fitted_responder import responder_of
+from calib.forward.departure import Departure
+from calib.forward.effects.adc_dnl import AdcDnl
+from calib.forward.effects.stuck_bit import StuckBit
+from tests.calib.diagnosis.recordings import plain_model, plan, recorded
+
+BITS = 12
+FOURTH = AdcDnl(0.0, widths_dn=(1.15, 0.95, 0.95, 0.95) * (1 << BITS - 2), bit_depth=BITS)
+STUCK = StuckBit(0.1, 1, 1)
+
+
+def drawn(effect: Departure) -> Evidence:
+    rng = default_rng()
+    return recorded(plain_model(96, bits=BITS), plan(rng, 80, twice=0), rng, (effect,))
+
+
+@pytest.mark.parametrize(("effect", "other"), [(FOURTH, StuckBit), (STUCK, AdcDnl)])
+def test_what_single_codes_contradict_has_a_price(
+    effect: Departure, other: type[Departure]
+) -> None:
+    evidence = drawn(effect)
+    told, responder = told_shapes(evidence), responder_of(evidence)
+    shapes = [told[AdcDnl.name], told[StuckBit.name]]
+    found = with_code_credit(all_signatures(shapes, evidence, responder, lambda _: None), evidence)
+    cost: dict[str, float] = {}
+    for each in found:
+        name, template = each.shape.name, each.shape.template
+        low = isinstance(template, StuckBit) and template.bit < LOW_BITS
+        if low or each.shape.fixed:
+            cost[name] = min(cost.get(name, np.inf), each.shape.cost)
+    # Widths of four codes cost two numbers more than a bit, which makes its own comb as well.
+    if other is StuckBit:
+        assert cost[StuckBit.name] > cost[effect.name] + 16.0
+    else:
+        assert cost[effect.name] < cost[AdcDnl.name]
+
+
+def test_codes_of_widths_are_those_that_are_counted() -> None:
+    evidence = drawn(FOURTH)
+    change = change_of((FOURTH,), evidence, responder_of(evidence))
+    counts = evidence.code_counts
+    left = counts.contrasts.over_std(counts.residual()[0] - change.codes[0])
+    # Squares of n standard normal numbers at the most: some errors of means are allowed for.
+    std = np.sqrt(2.0 * len(left))
+    assert float(left @ left) < len(left) + 5.0 * std
+    seen = counts.contrasts.over_std(counts.residual()[0])
+    assert float(seen @ seen) > len(left) + 8.0 * std
