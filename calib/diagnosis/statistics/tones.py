@@ -9,6 +9,7 @@ from scipy.ndimage import uniform_filter1d
 
 from calib.diagnosis.statistics.block_sums import PADDING, BlockSums
 from calib.diagnosis.statistics.exponential_sums import log_chance
+from calib.diagnosis.statistics.smooth_level import smooth_level
 
 Floats = NDArray[np.float64]
 
@@ -22,8 +23,6 @@ FLOOR_SAMPLES = 4096
 MEDIAN_STD = 1.44
 """1 / ln 2: the median of n exponential variables scatters by this / sqrt(n) of itself."""
 FAR_ABOVE = 4.0
-NEAR = 12
-"""Steps of the padded spectrum within which a peak stands out of what is about it."""
 SLOW = 3
 """So many half cycles a block are no tone: slow changes have power there."""
 
@@ -137,22 +136,13 @@ def _highest(stacked: Floats, weights: Floats) -> list[tuple[int, int, float]]:
             continue
         k, along = np.unravel_index(int(np.argmax(part)), part.shape)
         column = stacked[:, first + along]
-        about = column if first else column[_near(int(k), n)]
-        level_here = max(_level(column, weights), _level(about, weights), 1.0)
+        about = 0.0 if first else smooth_level(column[:n], weights, int(k), SLOW)
+        level_here = max(_level(column, weights), about, 1.0)
         height = float(part[k, along]) / level_here
         chance = log_chance(height, weights) + np.log(part.size)
         if -2.0 * chance > SIGNIFICANT:
             found.append((int(k), int(along) + first, -2.0 * chance))
     return found
-
-
-def _near(k: int, n: int) -> NDArray[np.intp]:
-    """Return frequencies about `k`, of `n` that are no repetition, beyond those that a tone lifts.
-
-    What lines have in common may wander, and be no whiter than that: a tone is narrow.
-    """
-    far = np.abs(np.arange(n) - k)
-    return np.flatnonzero((far >= 2 * PADDING) & (far <= NEAR) & (np.arange(n) > 0))
 
 
 def _level(column: Floats, weights: Floats) -> float:
