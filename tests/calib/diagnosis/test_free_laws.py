@@ -73,7 +73,7 @@ class Toe(Nonlinearity):
 
 @pytest.mark.parametrize(
     "effect",
-    [BehindABarrier(0.004), InTraps(0.01), Toe()],
+    [BehindABarrier(0.008), InTraps(0.02), Toe()],
     ids=lambda effect: type(effect).__name__,
 )
 def test_what_follows_the_signal_by_a_law_of_its_own_keeps_its_name(effect: Departure) -> None:
