@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import poisson
+from scipy.special import pdtr, pdtrc
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.recorded.sensor import Sensor
@@ -124,13 +124,13 @@ def _rates(moments: PixelMoments, n: int, sensor: Sensor) -> Floats:
     least = np.ceil(OFTEN + typical + 6.0 * np.sqrt(typical))
     beside = 2 if sensor.n_rows == 1 else 8
     track = 1.0 - (1.0 - moments.raised) ** beside
-    often = poisson.sf(least - 1.0, expected)
+    often = pdtrc(least - 1.0, expected)
     if often.mean() > MOST_NOISY:
         often, least = 0.0 * often, np.inf
     told = np.ones(sensor.n_pixels)
     told[list(sensor.noisy)] = 0.0
     # Of a Poisson number N, the mean of N below a limit is that of all times P(N < limit - 1).
-    single = moments.far * (told * poisson.cdf(least - 2.0, expected))[:, None]
+    single = moments.far * (told * pdtr(least - 2.0, expected))[:, None]
     kinds = np.concatenate([[0, 1], np.arange(len(SINGLE) + 2, len(RARE))])
     rates[kinds] = (single * (1.0 - track)[:, None]).mean(axis=0)
     rates[RARE.index("tracks")] = float((single.sum(axis=1) * track).mean())
