@@ -54,7 +54,8 @@ def _add_densities(mean, std, samples, low, high, counts):  # type: ignore[no-un
     """Add the chances from the density in each code's middle, which follows from its neighbour's.
 
     Of the density f at u standard deviations a code one wide holds f (1 + H2 / (24 s^2) + H4 /
-    (1920 s^4) + H6 / (322560 s^6)), the Taylor series of the integral, H Hermite's polynomials of u.
+    (1920 s^4) + H6 / (322560 s^6)), the Taylor series of the integral: H are Hermite's polynomials
+    of u.
     """
     last = counts.shape[0] - 1
     if low == 0:

@@ -59,4 +59,8 @@ class Banding(Departure):
         lines = 2 * pi * np.mod(self.frequency_hz * at.line_times_s, 1.0) + self.phase_rad
         within_line_s = np.arange(n_pixels) * (at.line_period_us * 1e-6 / n_pixels)
         pixels = (2 * pi * self.frequency_hz * within_line_s).reshape(sample)
-        return np.asarray(signal + self.amplitude_dn * np.sin(by_line(lines, signal.ndim) + pixels))
+        # sin(a + b) of what lines and pixels say takes a sine of each, not one of each sample.
+        sine, cosine = (
+            by_line(self.amplitude_dn * f(lines), signal.ndim) for f in (np.sin, np.cos)
+        )
+        return np.asarray(signal + sine * np.cos(pixels) + cosine * np.sin(pixels))
