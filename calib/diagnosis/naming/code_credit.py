@@ -29,7 +29,7 @@ def with_code_credit(signatures: Sequence[Signature], evidence: Evidence) -> tup
     counts = evidence.code_counts
     observed, told = counts.residual()[0], counts.contrasts.over_std
     gains = {
-        k: _gain(told(observed), told(each.change.codes[0]), each)
+        k: _gain(told(observed), told(each.change.codes[0]))
         for k, each in enumerate(signatures)
         if _is_told_code_by_code(each)
     }
@@ -48,8 +48,7 @@ def _is_told_code_by_code(each: Signature) -> bool:
     return isinstance(template, StuckBit) and template.bit < LOW_BITS
 
 
-def _gain(seen: Floats, told: Floats, each: Signature) -> float:
+def _gain(seen: Floats, told: Floats) -> float:
     """Return what is explained of the counts, by as much of it as there is."""
-    along, square = float(seen @ told), max(float(told @ told), 1e-300)
-    amplitude = 1.0 if each.shape.fixed else max(along / square, 0.0)
-    return amplitude * (2.0 * along - amplitude * square)
+    along = max(float(seen @ told), 0.0)
+    return along**2 / max(float(told @ told), 1e-300)

@@ -14,6 +14,7 @@ from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.sampled_lines import is_tone
 from calib.diagnosis.statistics.change import Change
 from calib.forward.code_fault import CodeFault
+from calib.forward.effects.adc_dnl import AdcDnl
 
 Floats = NDArray[np.float64]
 
@@ -72,8 +73,8 @@ def _first_look(
     shape: Shape, evidence: Evidence, responder: Responder, start: float
 ) -> tuple[Signature, list[tuple[float, float]]]:
     """Return one draw at about the strength that is wanted, and (strength, length) of all tried."""
-    # How often codes are at fault, the recording itself has told.
-    told = isinstance(shape.template, CodeFault)
+    # How often codes are at fault, or how wide, the recording itself has told.
+    told = _tells_codes(shape)
     (strength, most), kept = (1.0, np.inf) if told else (start, AIM * NEAR), None
     tried: list[tuple[float, float]] = []
     for _ in range(TRIALS):
@@ -114,9 +115,17 @@ def is_of_events(shape: Shape, responder: Responder) -> bool:
     return not shape.fixed and density_of(shape.template, responder) is not None
 
 
+def _tells_codes(shape: Shape) -> bool:
+    """Return whether a shape is that of single codes, whose roughness grows as its square."""
+    template = shape.template
+    return isinstance(template, CodeFault) or (
+        isinstance(template, AdcDnl) and bool(template.widths_dn)
+    )
+
+
 def _is_whitened_along_a_curve(shape: Shape, responder: Responder) -> bool:
     """Return whether a shape shows in counts, or in squared amplitudes of a tone."""
-    counted = is_of_events(shape, responder) or isinstance(shape.template, CodeFault)
+    counted = is_of_events(shape, responder) or _tells_codes(shape)
     return not shape.fixed and (counted or is_tone(shape.template))
 
 

@@ -110,8 +110,10 @@ def _dnl(evidence: Evidence) -> tuple[Shape, ...]:
         if not np.isfinite(widths).all() or np.ptp(widths) == 0:
             continue
         template = AdcDnl(width_std_dn=0.0, widths_dn=tuple(widths.tolist()), bit_depth=depth)
+        varied = (("widths_dn", tuple((widths - 1.0).tolist()), 1.0),)
         # Of a period's numbers one is the mean, and one the strength, which others do not pay for.
-        shapes.append(Shape(template, (), two_sided=False, freedom=float(period - 2)))
+        free = float(period - 2)
+        shapes.append(Shape(template, varied, two_sided=False, freedom=free))
     return tuple(shapes)
 
 

@@ -37,7 +37,7 @@ def test_what_single_codes_contradict_has_a_price(
     for each in found:
         name, template = each.shape.name, each.shape.template
         low = isinstance(template, StuckBit) and template.bit < LOW_BITS
-        if low or each.shape.fixed:
+        if low or (isinstance(template, AdcDnl) and template.widths_dn):
             cost[name] = min(cost.get(name, np.inf), each.shape.cost)
     # Widths of four codes cost two numbers more than a bit, which makes its own comb as well.
     if other is StuckBit:
