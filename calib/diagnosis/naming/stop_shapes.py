@@ -8,6 +8,7 @@ import numpy as np
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.dark_codes import DarkCodes, dark_codes, misfit_per_code
 from calib.diagnosis.naming.shape import Shape
+from calib.diagnosis.simulation.with_values import with_values
 from calib.forward.effects.black_clip import BlackClip
 
 SOFT = (0.0, 0.5)
@@ -39,8 +40,10 @@ def stop_shapes(evidence: Evidence) -> tuple[Shape, ...]:
     for only, (gain, stop) in best.items():
         credit = gain - most + min(most, MOST)
         if credit > 2.0 * FITTED:
-            effect = BlackClip(stop.level_dn, stop.keeps, only_tap=only, tap_layout=layout)
-            told.append(Shape(effect, (), two_sided=False, freedom=FITTED, credit=credit))
+            of_tap = {} if only is None else {"only_tap": only, "tap_layout": layout}
+            told.append(
+                Shape(with_values(stop, of_tap), (), two_sided=False, freedom=FITTED, credit=credit)
+            )
     return tuple(told)
 
 

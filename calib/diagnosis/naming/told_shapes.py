@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.far_credit import TAIL_NOISES, far_credit
+from calib.diagnosis.naming.faulty_tap import faulty_tap
 from calib.diagnosis.naming.jumping_shapes import jumping_shapes
 from calib.diagnosis.naming.repeated import repeated_shapes
 from calib.diagnosis.naming.shape import Shape
@@ -118,16 +119,19 @@ def _dnl(evidence: Evidence) -> tuple[Shape, ...]:
 
 
 def _stuck(evidence: Evidence) -> tuple[Shape, ...]:
-    """Return the bits that look most as if they stuck, at 0 and at 1."""
+    """Return the bits that look most as if they stuck, at 0 and at 1, of all taps or of one."""
     suspect = [(int(bit), value) for bit in suspect_bits(evidence)[:BITS] for value in (0, 1)]
-    return tuple(
-        Shape(
-            StuckBit(bit=bit, value=value),
-            (("probability", _told_chance(bit, value, evidence), 0.0),),
-            two_sided=False,
-        )
-        for bit, value in suspect
-    )
+    layout, n_taps = evidence.sensor.camera.tap_layout, evidence.sensor.n_taps
+    shapes = []
+    for bit, value in suspect:
+        chance = _told_chance(bit, value, evidence)
+        for tap in dict.fromkeys((None, faulty_tap(bit, value, evidence))):
+            unit = chance if tap is None else min(chance * n_taps, 1.0)
+            template = StuckBit(bit=bit, value=value)
+            if tap is not None:
+                template = replace(template, only_tap=tap, tap_layout=layout)
+            shapes.append(Shape(template, (("probability", unit, 0.0),), two_sided=False))
+    return tuple(shapes)
 
 
 def _told_chance(bit: int, value: int, evidence: Evidence) -> float:

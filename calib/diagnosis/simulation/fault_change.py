@@ -122,8 +122,7 @@ def _rates(moments: PixelMoments, n: int, sensor: Sensor) -> Floats:
     expected = n * moments.out
     typical = float(np.minimum(expected, np.median(expected) + OFTEN).mean())
     least = np.ceil(OFTEN + typical + 6.0 * np.sqrt(typical))
-    beside = 2 if sensor.n_rows == 1 else 8
-    track = 1.0 - (1.0 - moments.raised) ** beside
+    track = _beside_raised(moments.raised, sensor)
     often = pdtrc(least - 1.0, expected)
     if often.mean() > MOST_NOISY:
         often, least = 0.0 * often, np.inf
@@ -136,3 +135,18 @@ def _rates(moments: PixelMoments, n: int, sensor: Sensor) -> Floats:
     rates[RARE.index("tracks")] = float((single.sum(axis=1) * track).mean())
     rates[RARE.index("noisy_pixels")] = float(often.mean())
     return rates
+
+
+def _beside_raised(raised: Floats, sensor: Sensor) -> Floats:
+    """Return the chance that any neighbour is raised with it, of each pixel, (n_pixels,).
+
+    Those of another tap may never be.
+    """
+    rows, columns = sensor.n_rows, sensor.n_columns
+    calm = np.pad(np.log1p(-np.minimum(raised, 1.0 - 1e-12)).reshape(rows, columns), 1)
+    around = np.zeros((rows, columns))
+    for down in (0, 1, 2):
+        for along in (0, 1, 2):
+            if (down, along) != (1, 1):
+                around += calm[down : down + rows, along : along + columns]
+    return np.asarray(-np.expm1(around)).ravel()

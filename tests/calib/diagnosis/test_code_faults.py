@@ -8,6 +8,7 @@ from numpy.random import default_rng
 
 from calib.diagnosis.diagnose import examine
 from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.naming.faulty_tap import faulty_tap
 from calib.diagnosis.naming.told_shapes import suspect_bits, told_shapes
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.fault_moments import pixel_moments
@@ -102,3 +103,25 @@ def test_effects_are_found_beside_a_bit_that_sticks(fault: Effect) -> None:
     names = {finding.effect.name for finding in found.findings}
     assert names == {fault.name, *(each.name for each in others)}
     assert found.verdict != "unexplained"
+
+
+@pytest.mark.parametrize("tap", [None, 0, 1])
+def test_bits_that_flip_in_one_tap_alone_are_that_taps(tap: int | None) -> None:
+    rng = default_rng()
+    fault = StuckBit(0.05, 7, 1, only_tap=tap, tap_layout="odd_even")
+    model = plain_model(96, taps=2, layout="odd_even")
+    evidence = recorded(model, plan(rng, 30, twice=0), rng, (fault,))
+    # Some hundred samples of 128 DN each; of both taps alike one in a billion has 0.9 by chance.
+    assert faulty_tap(7, 1, evidence) == tap
+
+
+@pytest.mark.soak
+def test_a_bit_that_sticks_in_one_tap_is_named_with_its_tap() -> None:
+    rng = default_rng()
+    fault = StuckBit(0.15, 7, 1, only_tap=1, tap_layout="odd_even")
+    model = plain_model(96, taps=2, layout="odd_even")
+    found = examine(recorded(model, plan(rng, 60, twice=0), rng, (fault,))).diagnosis
+    assert [finding.effect.name for finding in found.findings] == [fault.name]
+    told = found.findings[0].parameters["probability"]
+    assert found.findings[0].effect == replace(fault, probability=told.value)
+    assert abs(told.value - fault.probability) < 5.0 * told.std

@@ -19,8 +19,8 @@ TWO_TAPS = plain_model(96, taps=2, layout=LAYOUT)
 @pytest.mark.parametrize(
     "stop",
     [
-        BlackClip(63, tap_layout=LAYOUT),
-        BlackClip(64, 0.5, tap_layout=LAYOUT),
+        BlackClip(63),
+        BlackClip(64, 0.5),
         BlackClip(63, only_tap=1, tap_layout=LAYOUT),
         BlackClip(64, 0.5, only_tap=0, tap_layout=LAYOUT),
     ],
