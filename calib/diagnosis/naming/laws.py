@@ -61,7 +61,7 @@ def laws(signature: Signature, evidence: Evidence) -> Laws:
     """Return the laws of an effect that has an `open_variable`."""
     effect, change = signature.shape.template, signature.change
     variable, smooth = open_variable(signature), effect.any_law is None
-    if variable in {"signal", "code", "column", "line"}:
+    if variable in {"signal", "code", "column", "line", "tap"}:
         parts = laws_of_pixels(change, evidence, variable, effect.stage, smooth=smooth)
         return Laws(parts, np.eye(len(parts)), len(parts))
     values, place = np.unique(

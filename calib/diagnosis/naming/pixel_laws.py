@@ -1,4 +1,4 @@
-"""Laws of what differs from pixel to pixel: of its signal, its code, its column, or its line."""
+"""Laws of what differs from pixel to pixel: of its signal, code, column, line, or tap."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
@@ -42,7 +42,7 @@ def laws_of_pixels(
     Args:
         change: The shape's.
         evidence: The recording.
-        variable: What the law is of: signal, code, column, or line.
+        variable: What the law is of: signal, code, column, line, or tap.
         stage: At which the effect acts.
         smooth: Whether the law is to be smooth.
     """
@@ -123,6 +123,18 @@ def _farther(like: Change, evidence: Evidence) -> Iterator[Change]:
     yield _over_borders(over * every_other, 1, like, evidence)
 
 
+def _of_taps(like: Change, evidence: Evidence) -> Iterator[Change]:
+    """Yield what single taps see: one may see its partner, which does not see it."""
+    sensor, places = evidence.sensor, evidence.pooled.places
+    of_group = np.arange(sensor.n_groups) // (sensor.n_groups // sensor.n_taps)
+    for tap in range(sensor.n_taps):
+        # Of what two pixels share, each one's part is half, whoever's covariance counts it.
+        pooled = like.pooled / sensor.n_taps
+        pooled[:, places["variance"]] = like.pooled[:, places["variance"]] * (of_group == tap)
+        means = like.means * (sensor.tap.ravel() == tap)
+        yield replace(like * 0.0, means=means, pooled=pooled)
+
+
 def _kept(like: Change, evidence: Evidence) -> Iterator[Change]:
     """Yield what first lines show where the charge that stays is another function of all charge.
 
@@ -168,5 +180,6 @@ _OF_PIXELS: Mapping[tuple[Variable, bool], Callable[[Change, Evidence], Iterator
     ("code", False): _corners,
     ("column", False): _farther,
     ("line", False): _later,
+    ("tap", False): _of_taps,
 }
 """By the variable that an effect's law leaves open, and whether it is to be smooth."""

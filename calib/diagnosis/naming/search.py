@@ -23,7 +23,7 @@ THRESHOLD = 16.0
 """Deviance, after its penalty, that chance alone reaches in about two of a hundred recordings."""
 MOST_EFFECTS = 4
 SETTINGS: frozenset[Variable] = frozenset(
-    {"level", "exposure", "temperature", "signal", "code", "column", "line"}
+    {"level", "exposure", "temperature", "signal", "code", "column", "line", "tap"}
 )
 """Variables of which laws are left free first: a course in time comes near all of them."""
 COURSES: frozenset[Variable] = frozenset({"time"})

@@ -46,6 +46,7 @@ class TapCrosstalk(Departure):
     physics: ClassVar[str] = "Each tap sees a fraction of what its partner reads at the same time."
     shows_in: ClassVar[Statistic] = "column_covariance"
     depends_on: ClassVar[tuple[Variable, ...]] = ("tap", "signal")
+    any_law: ClassVar[Variable | None] = "tap"
 
     fraction: float = parameter(0.002, unit="1", low=-0.5, high=0.5, neutral=0.0)
     tap_layout: str = parameter("odd_even", unit="", choices=LAYOUTS)

@@ -1,4 +1,4 @@
-"""Lag whose share hangs on the charge is lag, and a bend at the bottom a nonlinearity."""
+"""Effects that follow the signal, or taps, by laws of their own keep their names."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,9 +9,11 @@ from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
 
 from calib.arrays import Lines, Pixels
-from calib.diagnosis.diagnose import responder_of, scales_of
+from calib.diagnosis.diagnose import responder_of
+from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.looked_for import scales_of
 from calib.diagnosis.naming.remainder import unexplained_deviance
 from calib.diagnosis.naming.search import find
 from calib.diagnosis.naming.shapes import shapes_of
@@ -21,6 +23,9 @@ from calib.forward.departure import Departure
 from calib.forward.effects.catalogue import effect_named
 from calib.forward.effects.lag import Lag
 from calib.forward.effects.nonlinearity import Nonlinearity
+from calib.forward.effects.tap_crosstalk import TapCrosstalk
+from calib.forward.taps import tap_of_column
+from calib.recording.header import Block
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 
 NAMES = ("lag", "persistence", "nonlinearity", "saturation_knee")
@@ -79,11 +84,34 @@ class Toe(Nonlinearity):
 def test_what_follows_the_signal_by_a_law_of_its_own_keeps_its_name(effect: Departure) -> None:
     rng = default_rng()
     evidence = recorded(plain_model(COLUMNS), plan(rng, 60), rng, (effect,))
+    assert_alone(effect, evidence, NAMES)
+
+
+def assert_alone(effect: Departure, evidence: Evidence, names: tuple[str, ...]) -> None:
+    """Assert that an effect is found, and nothing is left."""
     responder = responder_of(evidence)
     scales = scales_of(evidence, responder)
-    shapes = [shape for name in NAMES for shape in shapes_of(effect_named(name), scales)]
+    shapes = [shape for name in names for shape in shapes_of(effect_named(name), scales)]
     found = [signature(shape, evidence, responder) for shape in shapes]
     contest = Contest(tuple(s for s in found if s is not None), evidence, responder)
     model = find(contest, beside(None, evidence))
     assert [m.effect.name for m in model.members] == [effect.name]
     assert unexplained_deviance(model, evidence) == 0.0
+
+
+class OneWay(TapCrosstalk):
+    """Every other tap sees its partner, which does not see it."""
+
+    def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:
+        sees = tap_of_column(self.tap_layout, signal.shape[-1]) % 2 == 0
+        return np.asarray(np.where(sees, super().apply(signal, at, rng), signal))
+
+
+def test_crosstalk_that_every_other_tap_sees_is_crosstalk_where_a_scene_shows_it() -> None:
+    rng, effect = default_rng(), OneWay(0.007, "quarters")
+    bar = np.where(np.abs(np.arange(COLUMNS) - 50.5) < 9, 3.0, 0.6)
+    blocks = [*plan(rng, 60), Block(block="bar", kind="scene", scene="bar", exposure_us=1000.0,
+                                    level=0.0, lines=60)]  # fmt: skip
+    model = plain_model(COLUMNS, taps=4, layout="quarters")
+    evidence = recorded(model, blocks, rng, (effect,), scenes={"bar": bar})
+    assert_alone(effect, evidence, ("tap_crosstalk", "stray_light", "interpixel_capacitance"))
