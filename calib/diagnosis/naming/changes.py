@@ -11,6 +11,7 @@ from calib.diagnosis.recorded.monitor import light_change
 from calib.diagnosis.simulation.events import Density, change_of_events, density_of
 from calib.diagnosis.simulation.fault_change import change_of_faults, no_change
 from calib.diagnosis.simulation.fault_surroundings import Surroundings
+from calib.diagnosis.simulation.links_alone import change_of_links
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.through_stops import through_stops
 from calib.diagnosis.simulation.width_codes import change_by_widths
@@ -20,6 +21,7 @@ from calib.forward.code_fault import CodeFault
 from calib.forward.departure import Departure
 from calib.forward.effect import Stage
 from calib.forward.effects.adc_dnl import AdcDnl
+from calib.forward.effects.catalogue import place_of
 from calib.forward.parameter import parameters_of
 
 Floats = NDArray[np.float64]
@@ -62,7 +64,8 @@ def _simulated(
     once: bool = False,
     first: Change | None = None,
 ) -> Change:
-    faults = tuple(effect for effect in effects if isinstance(effect, CodeFault))
+    some = (effect for effect in effects if isinstance(effect, CodeFault))
+    faults = tuple(sorted(some, key=place_of))
     if faults:
         return _of_faults(faults, effects, evidence, responder, once=once)
     dense = {e: density for e in effects if (density := density_of(e, responder)) is not None}
@@ -88,11 +91,12 @@ def _of_faults(
 ) -> Change:
     """Return what `effects` change, of which `faults` are told from the chance of each code."""
     others = tuple(effect for effect in effects if effect not in faults)
-    change = (
-        change_of(others, evidence, responder, once=once)
-        if (others or responder.plain is not None)
-        else no_change(evidence)
-    )
+    if others:
+        change = change_of(others, evidence, responder, once=once)
+    elif responder.plain is not None:
+        change = change_of_links(responder.chain.baseline, evidence)
+    else:
+        change = no_change(evidence)
     surroundings = responder.surroundings.of(
         (others, once), lambda: Surroundings.beside(change, evidence)
     )

@@ -22,9 +22,10 @@ from calib.diagnosis.naming.model import Member, Model
 from calib.diagnosis.naming.refit import misfit, refitted
 from calib.diagnosis.naming.scores import Score, best_by_name, scores, sharpened
 from calib.diagnosis.naming.shape import Shape
-from calib.diagnosis.naming.signatures import Signature
+from calib.diagnosis.naming.signatures import Signature, beside_faults
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.statistics.change import Change
+from calib.forward.code_fault import CodeFault
 from calib.forward.departure import Variable
 
 INNER_RANGE = log(100.0)
@@ -63,6 +64,7 @@ class Contest:
         """
         named = {m.signature.shape.name for m in model.members}
         left = [s for s in self.signatures if s.shape.name not in named]
+        left = beside_faults(left, _faults(model, k), self.evidence, self.responder)
         directions = self._of_others(model, k)
         residual = model.residual
         if k is not None:
@@ -140,6 +142,12 @@ class Contest:
         )
         price = self.price_of_shape(member.signature.shape) + PRICE * len(member.course)
         return price + sum(max(f, 0.0) for f in freedom)
+
+
+def _faults(model: Model, k: int | None) -> tuple[CodeFault, ...]:
+    """Return the faults of codes that a model has beside member `k`."""
+    others = (m.effect for j, m in enumerate(model.members) if j != k)
+    return tuple(effect for effect in others if isinstance(effect, CodeFault))
 
 
 def told_twice(shape: Shape, others: Sequence[Member]) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.baseline.baseline import Baseline, fit_lines
+from calib.diagnosis.baseline.expected_codes import own_means_hidden
 from calib.diagnosis.baseline.nuisance import scene_blocks
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.statistics.change import Change
@@ -40,7 +41,7 @@ def rebased(now: Baseline, missed: Change, evidence: Evidence) -> Baseline:
     weight = np.where(told, evidence.n[:, None, None] / first.variance_dn2, 0.0)
     means = missed.means.reshape(first.mean_dn.shape)
     offset, slope = fit_lines(means, first.dose, weight)
-    gain, read = _noise_step(missed, evidence)
+    gain, read = _noise_step(now, missed, evidence)
     scale = np.where(now.gain_dn_per_e > 0, now.gain_dn_per_e, 1.0)
     moved = scale * np.clip(1.0 + gain / scale, 1.0 / FARTHEST, FARTHEST)
     return replace(
@@ -52,20 +53,28 @@ def rebased(now: Baseline, missed: Change, evidence: Evidence) -> Baseline:
     )
 
 
-def _noise_step(missed: Change, evidence: Evidence) -> tuple[Floats, Floats]:
-    """Return what each tap's gain, DN/e-, and read variance, DN^2, miss of the variances."""
+def _noise_step(now: Baseline, missed: Change, evidence: Evidence) -> tuple[Floats, Floats]:
+    """Return what each tap's gain, DN/e-, and read variance, DN^2, miss of the variances.
+
+    Of blocks whose codes stop, as much of a step shows as the recording has of the noise of `now`.
+    """
     sensor, first = evidence.sensor, evidence.baseline
     where = evidence.pooled.places["variance"]
     std, missing = evidence.pooled.std[:, where], missed.pooled[:, where]
     some = np.maximum(evidence.counts.pixels, 1.0)
     signal = np.stack([grouped(m - first.offset_dn, sensor) / some for m in first.mean_dn])
+    hidden = own_means_hidden(first)[:, None]
+    seen = evidence.pooled.observed[:, where]
+    seen = seen + np.stack([mean.of["variance"] for mean, _ in evidence.pooled.expected])
     tap = np.arange(sensor.n_groups) // (sensor.n_groups // sensor.n_taps)
     gain, read = np.zeros(sensor.n_taps), np.zeros(sensor.n_taps)
     for t in range(sensor.n_taps):
         used = np.isfinite(std) & (std > 0) & (tap == t)
         if not used.any():
             continue
-        design = np.stack([signal[used], np.ones(used.sum())], axis=1)[
+        noise = now.read_variance_dn2[t] + now.gain_dn_per_e[t] * np.maximum(signal, 0.0)
+        shown = np.where(hidden, np.clip(seen / noise, 0.0, 1.0), 1.0)[used]
+        design = np.stack([shown * signal[used], shown], axis=1)[
             :, [0, 1] if first.gain_dn_per_e[t] > 0 else [1]
         ]
         found = np.linalg.lstsq(design / std[used][:, None], missing[used] / std[used])[0]

@@ -1,5 +1,6 @@
 """Signatures: the directions in which effects move a recording's statistics."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,6 +40,7 @@ class Signature:
         point: Of the whitened statistics.
         length: Of the point: by how many standard deviations it would be seen.
         power: The change grows as this power of the strength.
+        beside: Faults of codes beside which it was taken.
     """
 
     shape: Shape
@@ -47,6 +49,7 @@ class Signature:
     point: Point
     length: float
     power: float
+    beside: tuple[CodeFault, ...] = ()
 
 
 def signature(
@@ -101,13 +104,37 @@ def retaken(
         return one
     ratio = max(abs(amplitude), 1e-6) ** (1.0 / one.power)
     strength = float(np.copysign(min(ratio, 1e3) * one.strength, amplitude))
-    again = _taken(one.shape, strength, evidence, responder)
+    again = _taken(one.shape, strength, evidence, responder, beside=one.beside)
     power = one.power
     if not one.shape.two_sided:
         power = _power([(one.strength, one.length), (abs(strength), again.length)])
     if _is_whitened_along_a_curve(one.shape, responder):
         power = _power_here(again, evidence, responder)
     return replace(again, power=power)
+
+
+def beside_faults(
+    signatures: Sequence[Signature],
+    faults: tuple[CodeFault, ...],
+    evidence: Evidence,
+    responder: Responder,
+) -> list[Signature]:
+    """Return the signatures, those of faults of codes taken anew beside `faults` that are found.
+
+    Where codes stop there are few for a bit to change, and none that it moves below the stop.
+    """
+    if not faults:
+        return list(signatures)
+    found = []
+    for one in signatures:
+        if isinstance(one.shape.template, CodeFault):
+            again = _taken(one.shape, one.strength, evidence, responder, beside=faults)
+            if not one.shape.fixed:
+                again = replace(again, power=_power_here(again, evidence, responder))
+            found.append(again)
+        else:
+            found.append(one)
+    return found
 
 
 def is_of_events(shape: Shape, responder: Responder) -> bool:
@@ -131,7 +158,7 @@ def _is_whitened_along_a_curve(shape: Shape, responder: Responder) -> bool:
 
 def _power_here(one: Signature, evidence: Evidence, responder: Responder) -> float:
     """Return the power of the strength with which a signature grows where it was taken."""
-    more = _taken(one.shape, 1.2 * one.strength, evidence, responder, once=True)
+    more = _taken(one.shape, 1.2 * one.strength, evidence, responder, once=True, beside=one.beside)
     return _power([(one.strength, one.length), (more.strength, more.length)])
 
 
@@ -151,8 +178,13 @@ def _taken(
     *,
     once: bool = False,
     first: Change | None = None,
+    beside: tuple[CodeFault, ...] = (),
 ) -> Signature:
-    change = change_of((shape.at(strength),), evidence, responder, once=once, first=first)
+    effects = (*beside, shape.at(strength))
+    change = change_of(effects, evidence, responder, once=once, first=first)
     point = evidence.point(change)
+    if beside:
+        without = change_of(beside, evidence, responder)
+        change, point = change - without, point - evidence.point(without)
     length = float(np.sqrt(max(evidence.product(point, point), 0.0)))
-    return Signature(shape, strength, change, point, length, 1.0)
+    return Signature(shape, strength, change, point, length, 1.0, beside)

@@ -82,7 +82,7 @@ def _block(b: int, faults: Sequence[CodeFault], surroundings: Surroundings) -> F
     squares, fourths = after.squares - before.squares, after.fourths - before.fourths
     pooled = second_moments(squares.reshape(noise.shape), n, sensor, evidence.counts)
     _add_levels(pooled, after, sensor, evidence.counts)
-    pooled["kurtosis"] = _kurtosis(squares, fourths, noise, sensor)
+    pooled["kurtosis"] = kurtosis_change(squares, fourths, noise, sensor)
     rare = _rates(after, n, sensor) - _rates(before, n, sensor)
     return FaultyBlock(after.mean - before.mean, squares, Pooled(pooled).vector(), rare)
 
@@ -104,7 +104,7 @@ def _add_levels(
         pooled["common_taps"] = pooled["common_taps"] + gained
 
 
-def _kurtosis(squares: Floats, fourths: Floats, noise: Floats, sensor: Sensor) -> Floats:
+def kurtosis_change(squares: Floats, fourths: Floats, noise: Floats, sensor: Sensor) -> Floats:
     """Return the change of what `pooled` calls kurtosis, (n_groups,)."""
     fourth, square = (grouped(x.reshape(noise.shape), sensor) for x in (fourths, squares))
     level, whole = (np.maximum(grouped(x, sensor), 1e-300) for x in (noise**2, noise))

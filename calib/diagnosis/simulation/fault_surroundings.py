@@ -44,7 +44,7 @@ class Surroundings:
         base = evidence.baseline
         means = base.mean_dn + others.means.reshape(base.mean_dn.shape)
         variance = np.stack([
-            np.maximum(v + _of_pixels(row, evidence), LEAST_DN2)
+            np.maximum(v + variance_of_pixels(row, evidence), LEAST_DN2)
             for v, row in zip(base.variance_dn2, others.pooled, strict=True)
         ])  # fmt: skip
         return cls(evidence, means, variance)
@@ -107,7 +107,7 @@ class LatestSurroundings:
         return found
 
 
-def _of_pixels(pooled: Floats, evidence: Evidence) -> Floats:
+def variance_of_pixels(pooled: Floats, evidence: Evidence) -> Floats:
     """Return each pixel's change of variance, (n_rows, n_columns), of one block's statistics."""
     group = np.minimum(evidence.sensor.group, evidence.sensor.n_groups - 1)
     return np.asarray(pooled[evidence.pooled.places["variance"]][group])

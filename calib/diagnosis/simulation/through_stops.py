@@ -8,11 +8,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import norm
 
-from calib.diagnosis.simulation.fault_surroundings import Surroundings
+from calib.diagnosis.simulation.fault_surroundings import Surroundings, variance_of_pixels
 from calib.diagnosis.statistics.change import Change
+from calib.diagnosis.statistics.expected import second_moments
+from calib.diagnosis.statistics.pooled import Pooled
 from calib.forward.code_fault import CodeFault
+
+Floats = NDArray[np.float64]
 
 QUANTILES = norm.ppf((np.arange(16) + 0.5) / 16)
 """Of a pixel's noise, of equal weight."""
@@ -30,11 +35,24 @@ def through_stops(
     if not stops:
         return change
     share = np.array([_slope(b, stops, surroundings) for b in range(len(change.pooled))])
-    left = np.ones_like(change.pooled)
+    # What pixels' own noise makes of covariances of residuals follows from the noise that is left.
+    white = np.stack([
+        _of_own_noise(b, row, surroundings) for b, row in enumerate(change.pooled)
+    ])  # fmt: skip
+    left = change.pooled.copy()
     for kind, where in surroundings.evidence.pooled.places.items():
         if kind not in OWN:
-            left[:, where] = share[:, None] ** 2
-    return replace(change, pooled=change.pooled * left)
+            own = white[:, where]
+            left[:, where] = own + share[:, None] ** 2 * (left[:, where] - own)
+    return replace(change, pooled=left)
+
+
+def _of_own_noise(b: int, pooled: Floats, surroundings: Surroundings) -> Floats:
+    """Return what the change of pixels' own variances makes of a block's statistics."""
+    evidence = surroundings.evidence
+    moved = variance_of_pixels(pooled, evidence)
+    n, sensor = int(evidence.n[b]), evidence.sensor
+    return Pooled(second_moments(moved, n, sensor, evidence.counts)).vector()
 
 
 def _slope(b: int, stops: Sequence[CodeFault], surroundings: Surroundings) -> float:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.random import default_rng
+from scipy.stats import chi2
 
 from calib.diagnosis.diagnose import examine
 from calib.diagnosis.naming.changes import change_of
@@ -90,6 +91,27 @@ def test_codes_are_told_about_own_means_whatever_else_moves_these(fault: StuckBi
     # chance, by sqrt(1 + 2.7 R / sqrt(4 n)) of n codes that are compared, below 3 here.
     left[-3] /= 3.0
     assert np.abs(left).max() < 5.0
+
+
+def test_a_bit_that_sticks_beside_a_stop_leaves_of_the_noise_what_is_told() -> None:
+    rng, faults = default_rng(), (BlackClip(64), StuckBit(0.17, 4, 1))
+    model, blocks = plain_model(96, taps=2, layout="odd_even"), plan(rng, twice=0)
+    clean = recorded(model, blocks, rng).baseline
+    evidence = recorded(model, blocks, rng, faults)
+    # Of the links as they are, not as a plain fit takes jumps of 16 DN for read noise.
+    links = replace(
+        evidence.baseline,
+        offset_dn=clean.offset_dn,
+        slope=clean.slope,
+        gain_dn_per_e=clean.gain_dn_per_e,
+        read_variance_dn2=clean.read_variance_dn2,
+    )
+    change = change_of(faults, evidence, responder_of(evidence).about(links))
+    left = evidence.point(evidence.observed()) - evidence.point(change)
+    z = left.rest[evidence.whitening.places["pooled"]]
+    n = int(evidence.pooled.used.sum())
+    # The links err, too: a tenth. Drawn lines, or noise that passes a stop as light does: 300,000.
+    assert float(z @ z) < chi2.isf(1e-8, n) + 0.1 * n
 
 
 @pytest.mark.parametrize(
