@@ -21,10 +21,17 @@ Floats = NDArray[np.float64]
 Map = Callable[[Lines], Lines]
 """Codes in, codes out."""
 
+LOW, HIGH = 14.0, 8.0
+"""So many standard deviations below and above the middle codes are told apart: a hot pixel has none
+of its own."""
 REACH = 6.0
-"""Codes so many standard deviations from a mean are looked at."""
+"""Pixels so many standard deviations beyond those have no sample among them."""
+WIDEST_DN = 250.0
+"""Of wider noise tables of chances would be large."""
 FINE = 4.0
 """Nodes lie this part of a standard deviation apart: what lies between widens the noise by 1 %."""
+GROUPED = 0.02
+"""Of a standard deviation: pixels whose means are as close are taken for one."""
 NUISANCES = np.array([0.3, 0.05, 0.05])
 """By which the logarithm of a variance, skewness and kurtosis may be off: darks have few electrons
 of their own, and 10 beside a read noise of 5 electrons have a skewness of 0.05."""
@@ -46,8 +53,8 @@ class DarkCodes:
 
     Attributes:
         seen: Samples by code, (n_codes,), of the codes from `first` on.
-        first: The first code.
-        means: Own means of pixels, DN, (n,).
+        first: The first code; lower ones count as this, and those beyond the last as that.
+        means: Own means of pixels, those that are alike together, DN, (n,).
         weight: Samples of each, (n,).
         std: Standard deviation of the samples about them before rounding, DN.
         start: Of the nuisances.
@@ -164,10 +171,23 @@ def _of_tap(tap: int, blocks: list[int], evidence: Evidence) -> DarkCodes | None
     squares = sum(float(each.products.squares[of_tap].mean()) for each in sums)
     variance = squares / sum(each.n_lines for each in sums) - 1.0 / 12.0
     std = max(float(np.sqrt(max(variance, 0.0))), 0.2)
-    seen = sum(each.by_code[tap] for each in sums)
-    first = max(int(means.min() - (REACH + 2.0) * std), 0)
-    last = min(int(means.max() + REACH * std) + 2, len(seen))
-    return DarkCodes(seen[first:last].astype(np.float64), first, means, weight, std)
+    counts = np.sum([each.by_code[tap] for each in sums], axis=0)
+    if std > WIDEST_DN:
+        return None
+    middle = float(np.median(means))
+    first = max(int(middle - LOW * std), 0)
+    last = min(int(middle + HIGH * std) + 2, len(counts) - 1)
+    seen = counts[first : last + 1].astype(np.float64)
+    seen[0], seen[-1] = seen[0] + counts[:first].sum(), seen[-1] + counts[last + 1 :].sum()
+    held = np.clip(means, first - REACH * std, last + REACH * std)
+    return DarkCodes(seen, first, *_together(held, weight, std * GROUPED), std)
+
+
+def _together(means: Floats, weight: Floats, width: float) -> tuple[Floats, Floats]:
+    """Return the means of pixels that are alike to a `width`, and their weights, (n,) each."""
+    _, which = np.unique(np.rint(means / width), return_inverse=True)
+    whole = np.bincount(which, weight).astype(np.float64)
+    return np.bincount(which, weight * means) / whole, whole
 
 
 def _terms(z: Floats) -> Floats:

@@ -67,7 +67,7 @@ def _best(
 
 
 def _levels(darks: Sequence[DarkCodes]) -> list[int]:
-    middle = float(np.mean([np.median(each.means) for each in darks]))
+    middle = float(np.mean([np.average(each.means, weights=each.weight) for each in darks]))
     std = float(np.mean([each.std for each in darks]))
     wanted = np.rint(middle + std * np.arange(LOWEST, HIGHEST, STEP)).astype(int)
     return sorted({max(int(level), 1) for level in wanted})

@@ -3,11 +3,12 @@ import pytest
 from numpy.random import default_rng
 
 from calib.diagnosis.diagnose import examine
-from calib.diagnosis.naming.dark_codes import DarkCodes
+from calib.diagnosis.naming.dark_codes import DarkCodes, dark_codes
 from calib.diagnosis.naming.stop_shapes import stop_shapes
 from calib.forward.effect import Effect
 from calib.forward.effects.black_clip import BlackClip
 from calib.forward.effects.dark_current import DarkCurrent
+from calib.forward.effects.hot_pixels import HotPixels
 from calib.forward.effects.line_noise import LineNoise
 from calib.forward.effects.stuck_bit import StuckBit
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
@@ -32,6 +33,18 @@ def test_darks_tell_where_codes_stop_and_of_which_tap(stop: BlackClip) -> None:
     # Some 17,000 reads in the dark, of which a sixth and more lie below the level.
     likeliest = max(stop_shapes(evidence), key=lambda shape: shape.credit)
     assert likeliest.template == stop
+
+
+def test_a_hot_pixel_takes_no_table_of_its_own() -> None:
+    rng, stop = default_rng(), BlackClip(63, only_tap=1, tap_layout=LAYOUT)
+    hot = HotPixels(pixels=(7,), rates_e_per_us=(20.0,))
+    evidence = recorded(TWO_TAPS, plan(rng, 60, twice=0), rng, (hot, stop))
+    for each in dark_codes(evidence):
+        # It gives up to 2,000 DN in the dark, where all others are within 5 DN of each other.
+        assert each is not None
+        assert len(each.seen) < 24.0 * each.std + 3.0
+        assert each.seen.sum() == each.weight.sum() == 3 * 60 * 48
+    assert max(stop_shapes(evidence), key=lambda shape: shape.credit).template == stop
 
 
 @pytest.mark.parametrize(
