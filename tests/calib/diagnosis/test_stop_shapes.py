@@ -3,7 +3,8 @@ import pytest
 from numpy.random import default_rng
 
 from calib.diagnosis.diagnose import examine
-from calib.diagnosis.naming.dark_codes import DarkCodes, dark_codes
+from calib.diagnosis.naming.dark_codes import DarkCodes
+from calib.diagnosis.naming.gathered_darks import dark_codes
 from calib.diagnosis.naming.stop_shapes import stop_shapes
 from calib.forward.effect import Effect
 from calib.forward.effects.black_clip import BlackClip
