@@ -33,10 +33,11 @@ def with_code_credit(signatures: Sequence[Signature], evidence: Evidence) -> tup
         for k, each in enumerate(signatures)
         if _is_told_code_by_code(each)
     }
-    most = max(gains.values(), default=0.0)
+    # What was fitted explains as much by chance as there are numbers; twice that is its own price.
+    most = max((gain - 2.0 * signatures[k].shape.freedom for k, gain in gains.items()), default=0.0)
     found = list(signatures)
     for k, gain in gains.items():
-        shape, credit = found[k].shape, (gain - most) * temper(most)
+        shape, credit = found[k].shape, min(gain - most, 0.0) * temper(most)
         found[k] = replace(found[k], shape=replace(shape, credit=credit))
     return tuple(found)
 

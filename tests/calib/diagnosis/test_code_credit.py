@@ -39,11 +39,12 @@ def test_what_single_codes_contradict_has_a_price(
         low = isinstance(template, StuckBit) and template.bit < LOW_BITS
         if low or (isinstance(template, AdcDnl) and template.widths_dn):
             cost[name] = min(cost.get(name, np.inf), each.shape.cost)
-    # Widths of four codes cost two numbers more than a bit, which makes its own comb as well.
+    # A bit that sticks makes a comb of widths as well, which has two numbers more to follow chance:
+    # in 24 of deviance once in 100,000 draws.
     if other is StuckBit:
-        assert cost[StuckBit.name] > cost[effect.name] + 16.0
+        assert cost[StuckBit.name] > cost[effect.name] + 24.0
     else:
-        assert cost[effect.name] < cost[AdcDnl.name]
+        assert cost[effect.name] < cost[AdcDnl.name] + 24.0
 
 
 def test_codes_of_widths_are_those_that_are_counted() -> None:
