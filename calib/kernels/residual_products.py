@@ -12,17 +12,12 @@ from numba import njit
 from numpy.typing import NDArray
 
 from calib.arrays import Columns
+from calib.kernels.line_levels import deviations
 
 COLUMN_LAGS = 4
 """Neighbours at 1 to so many columns."""
 LINE_LAGS = 2
 """Likewise of lines, or frames."""
-
-SETTLED = 0.1
-"""Of a cut, half a standard deviation: a second step that is longer has farther to go."""
-
-MANY = 0.01
-"""Of a line's samples: where more are out, its median tells first where it stands."""
 
 Floats = NDArray[np.float64]
 
@@ -128,7 +123,7 @@ def _add(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0917 - compiled
     for t in range(n):
         for r in range(n_rows):
             now = recent[t % 3, r]
-            _deviations(samples[t, r], reference[r], cut[r], now, total[r], outliers[r])
+            deviations(samples[t, r], reference[r], cut[r], now, total[r], outliers[r])
             _take_common(now, tap[r], size[r], line_means[t, r])
             _own(now, squares[r], fourths[r])
             for k in range(1, columns.shape[0] + 1):
@@ -141,58 +136,6 @@ def _add(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0917 - compiled
                 for c in range(n_columns):
                     if partner[p, c] >= 0:
                         partners[p, r, c] += now[c] * now[partner[p, c]]
-
-
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _deviations(line, reference, cut, now, total, outliers):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
-    # A whole line may be off, after a step of the light: outliers are told from where it stands.
-    n = line.shape[0]
-    level = 0.0
-    for c in range(n):
-        now[c] = float(line[c]) - reference[c]
-        level += now[c]
-    level, settled = _settled(now, cut, level / n)
-    if not settled:
-        # A ray of a thousand times the noise draws the mean so far off that all others are out.
-        level, _ = _settled(now, cut, np.median(now))
-    found = 0
-    for c in range(n):
-        found += abs(now[c] - level) > cut[c]
-    if found > 0:
-        # Where many are out to one side they pull the level, and all that is put there with it, by
-        # a tenth of the cut for each tenth of the line, until they are no longer out.
-        level = _of_the_rest(now, cut, np.median(now) if found > MANY * n else level)
-        for c in range(n):
-            if abs(now[c] - level) > cut[c]:
-                outliers[c] += 1
-                now[c] = level
-    for c in range(n):
-        total[c] += now[c]
-
-
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _settled(off, cut, level):  # type: ignore[no-untyped-def]  # compiled
-    """Return the level to which deviations pull, none by more than its cut, and whether it is."""
-    step = 0.0
-    for _ in range(2):
-        clipped, most = 0.0, 0.0
-        for c in range(off.shape[0]):
-            clipped += min(max(off[c] - level, -cut[c]), cut[c])
-            most += cut[c]
-        step = clipped / off.shape[0]
-        level += step
-    return level, abs(step) <= SETTLED * most / off.shape[0]
-
-
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _of_the_rest(off, cut, level):  # type: ignore[no-untyped-def]  # compiled
-    """Return the mean of the deviations that are within their cuts of the level."""
-    total, within = 0.0, 0.0
-    for c in range(off.shape[0]):
-        near = 1.0 if abs(off[c] - level) <= cut[c] else 0.0
-        total += near * off[c]
-        within += near
-    return total / within if within > 0.0 else level
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})

@@ -58,10 +58,10 @@ def test_a_sample_a_thousand_times_the_noise_takes_no_other_with_it() -> None:
     np.testing.assert_allclose(sums.line_means[4, 0, 0], others, rtol=1e-12)
 
 
-@pytest.mark.parametrize("many", [1, 3, 5])
+@pytest.mark.parametrize("many", [1, 3, 4])
 def test_samples_that_are_out_are_put_to_the_level_of_the_others(many: int) -> None:
     samples, mean = drawn(1)
-    samples[4, 0, :many] += 100
+    samples[4, 0, :many] += 120
     tap = np.zeros((1, 12), np.intp)
     sums = residual_products(samples, mean, np.full((1, 12), 60.0), tap, 1, NO_PARTNER)
     assert sums.outliers.tolist() == [[1] * many + [0] * (12 - many)]
