@@ -16,7 +16,7 @@ from calib.forward.effects.stuck_bit import StuckBit
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 
 BITS = 12
-FOURTH = AdcDnl(0.0, widths_dn=(1.15, 0.95, 0.95, 0.95) * (1 << BITS - 2), bit_depth=BITS)
+FOURTH = AdcDnl(0.0, widths_dn=(1.21, 0.93, 0.93, 0.93) * (1 << BITS - 2), bit_depth=BITS)
 STUCK = StuckBit(0.1, 1, 1)
 
 
@@ -56,4 +56,5 @@ def test_codes_of_widths_are_those_that_are_counted() -> None:
     std = np.sqrt(2.0 * len(left))
     assert float(left @ left) < len(left) + 5.0 * std
     seen = counts.contrasts.over_std(counts.residual()[0])
-    assert float(seen @ seen) > len(left) + 8.0 * std
+    # They are seen by some 15 of these standard deviations, which scatter by two.
+    assert float(seen @ seen) > len(left) + 5.0 * std
