@@ -106,8 +106,7 @@ def _dnl(evidence: Evidence) -> tuple[Shape, ...]:
     shapes = [Shape(AdcDnl(bit_depth=depth), (("width_std_dn", 0.2, 0.0),), two_sided=False)]
     counts = evidence.code_counts
     for period in COMBS:
-        ratio = counts.comb(period)
-        widths = np.clip(np.resize(ratio, 1 << depth), 0.0, None)
+        widths = np.clip(counts.comb(period), 0.0, None)
         if not np.isfinite(widths).all() or np.ptp(widths) == 0:
             continue
         template = AdcDnl(width_std_dn=0.0, widths_dn=tuple(widths.tolist()), bit_depth=depth)

@@ -22,8 +22,9 @@ from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.effects.adc import check_bit_depth
 from calib.forward.parameter import parameter
-from calib.forward.pattern import check_length, pattern_generator
+from calib.forward.pattern import pattern_generator
 from calib.forward.plan_needs import lines
+from calib.kernels.stretched_codes import stretched_codes
 from calib.recording.header import Block, CameraHeader
 
 
@@ -38,7 +39,8 @@ class AdcDnl(Departure):
         width_std_dn: Standard deviation of the code widths as long as few are missing.
         missing_share: Share of the codes that are missing besides; the code below takes its place.
         seed: Which converter of that kind it is.
-        widths_dn: Width of each code; where given, in place of drawn ones. Scaled to a mean of 1.
+        widths_dn: Width of each code, or of the first that all others repeat; where given, in
+            place of drawn ones. Scaled to a mean of 1.
         bit_depth: That of the camera.
     """
 
@@ -60,12 +62,7 @@ class AdcDnl(Departure):
         """DN in and out, not yet rounded, (n_lines, *sample)."""
         if not (self.widths_dn or self.width_std_dn or self.missing_share):
             return signal.copy()
-        edges = _edges(self)
-        n_codes = len(edges) - 1
-        # The last edge at or below the signal: edges that coincide leave their codes out.
-        code = np.clip(np.searchsorted(edges, signal, side="right") - 1, 0, n_codes - 1)
-        low, high = edges[code], edges[code + 1]
-        return np.asarray(code - 0.5 + (signal - low) / np.where(high > low, high - low, 1.0))
+        return stretched_codes(signal, _edges(self))
 
     def widths(self) -> Columns:
         """Return the width of each code, DN, (2^bit_depth,), of mean 1."""
@@ -74,7 +71,13 @@ class AdcDnl(Departure):
     def check_camera(self, camera: CameraHeader) -> None:
         """Raise InputError unless the camera has this bit depth, and each code a width."""
         check_bit_depth(self.bit_depth, camera, f"effect {self.name}")
-        check_length(self.widths_dn, 1 << self.bit_depth, f"effect {self.name}: widths_dn")
+        n_codes = 1 << self.bit_depth
+        if self.widths_dn and n_codes % len(self.widths_dn):
+            raise InputError(
+                f"effect {self.name}: widths_dn has {len(self.widths_dn)} values; give {n_codes}, "
+                "or as many of the first as divide that, which all others repeat.",
+                code="wrong-length",
+            )
         if self.widths_dn and not any(self.widths_dn):
             raise InputError(
                 f"effect {self.name}: widths_dn are all 0; give some code a width.",
@@ -93,7 +96,7 @@ def _edges(dnl: AdcDnl) -> Columns:
     n_codes = 1 << dnl.bit_depth
     edges = np.arange(n_codes + 1, dtype=np.float64) - 0.5
     if dnl.widths_dn:
-        widths = np.asarray(dnl.widths_dn, dtype=np.float64)
+        widths = np.resize(np.asarray(dnl.widths_dn, dtype=np.float64), n_codes)
         edges[1:] = np.cumsum(widths) * (n_codes / widths.sum()) - 0.5
     else:
         rng = pattern_generator(dnl.seed, dnl.name)

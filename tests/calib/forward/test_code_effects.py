@@ -64,6 +64,14 @@ def test_codes_come_up_in_proportion_to_their_widths(seed: int) -> None:
     assert stats.chisquare(counts[present], wanted).pvalue > 1e-6
 
 
+def test_widths_of_the_first_codes_are_repeated_by_all_others() -> None:
+    few = AdcDnl(widths_dn=(1.5, 0.7, 0.8, 1.2), bit_depth=8)
+    every = AdcDnl(widths_dn=few.widths_dn * 64, bit_depth=8)
+    assert np.array_equal(few.widths(), every.widths())
+    assert few.widths()[:4].tolist() == pytest.approx(np.array(few.widths_dn) / 1.05, abs=1e-12)
+    assert few in EIGHT.with_effect(few).effects
+
+
 @SEEDS
 def test_drawn_widths_have_their_scatter_and_a_mean_of_one(seed: int) -> None:
     n = 1 << 14
@@ -188,6 +196,11 @@ REFUSED: dict[str, tuple[Model, Any, str]] = {
     "INL of another depth": (EIGHT, AdcInl(), "bit-depth-mismatch"),
     "DNL of another depth": (EIGHT, AdcDnl(), "bit-depth-mismatch"),
     "a width too few": (EIGHT, AdcDnl(widths_dn=(1.0,) * 255, bit_depth=8), "wrong-length"),
+    "widths that end amid the codes": (
+        EIGHT,
+        AdcDnl(widths_dn=(1.0, 1.1, 0.9), bit_depth=8),
+        "wrong-length",
+    ),
     "no such bit": (EIGHT, StuckBit(bit=8), "no-such-code"),
     "no such level": (DEMO, BlackClip(level_dn=4095), "no-such-code"),
     "a tap of another layout": (
