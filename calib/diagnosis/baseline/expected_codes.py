@@ -33,20 +33,34 @@ def about_means(mean: Floats, variance: Floats, n_lines: float, n_codes: int) ->
     return expected_histogram(some, std, samples, n_codes)
 
 
-def between_edges(mean: Floats, variance: Floats, n_lines: float, edges: Floats) -> Floats:
-    """Return the same of codes that lie between edges, DN, (n_codes + 1,).
-
-    How many samples lie below is told at steps that noise is not small against, and by cubic
-    splines between these, which err by 1/384 of the fourth derivative (de Boor, A Practical Guide
-    to Splines, 2001): of 1.5 steps of noise, 1e-3 of the samples that its codes share.
-    """
+def in_steps(mean: Floats, variance: Floats, n_lines: float, n_codes: int) -> tuple[int, Floats]:
+    """Return the same of steps that noise is not small against, and how many make a code."""
     some, std, samples = _of_some(mean, variance, n_lines)
-    n_codes, fine = len(edges) - 1, int(np.ceil(SPLINED / float(std.min())))
+    fine = int(np.ceil(SPLINED / float(std.min())))
     # A code's first part begins where the code does.
-    steps = expected_histogram(some * fine + 0.5 * (fine - 1), std * fine, samples, n_codes * fine)
-    ends = np.arange(n_codes * fine + 1) / fine - 0.5
-    below = CubicSpline(ends, np.concatenate([[0.0], np.cumsum(steps)]))
-    return np.diff(below(np.clip(edges, ends[0], ends[-1])))
+    places = some * fine + 0.5 * (fine - 1)
+    return fine, expected_histogram(places, std * fine, samples, n_codes * fine)
+
+
+def between_edges(steps: Floats, fine: int, edges: Floats) -> Floats:
+    """Return the samples of codes that lie between edges, DN, (n_codes + 1,).
+
+    How many samples lie below is told at steps, and by cubic splines between these, which err by
+    1/384 of the fourth derivative (de Boor, A Practical Guide to Splines, 2001): of 1.5 steps of
+    noise, 1e-3 of the samples that its codes share.
+
+    Args:
+        steps: Samples by step, (n_codes fine,); of one block or the sum of several.
+        fine: Steps of a code.
+        edges: Ascending.
+    """
+    ends = np.arange(len(steps) + 1) / fine - 0.5
+    below = np.concatenate([[0.0], np.cumsum(steps)])
+    seen = np.flatnonzero(steps)
+    # Outside of the samples and some steps there is nothing to run a spline through.
+    low, high = max(int(seen[0]) - 8, 0), min(int(seen[-1]) + 10, len(ends))
+    inside = CubicSpline(ends[low:high], below[low:high])
+    return np.diff(inside(np.clip(edges, ends[low], ends[high - 1])))
 
 
 def _of_some(mean: Floats, variance: Floats, n_lines: float) -> tuple[Floats, Floats, float]:

@@ -51,8 +51,13 @@ def change_of(
 
 
 def needs_two_draws(effect: Departure, responder: Responder) -> bool:
-    """Return whether chance has a part in what one draw shows of an effect."""
-    coded = effect.stage >= Stage.CODES and not isinstance(effect, CodeFault)
+    """Return whether chance has a part in what one draw shows of an effect.
+
+    It has none where nothing is drawn: faults of codes are told from the chance of each code.
+    """
+    if isinstance(effect, CodeFault):
+        return False
+    coded = effect.stage >= Stage.CODES
     return coded or responder.chain.has_events(effect) or _other_pattern(effect) != effect
 
 
@@ -73,12 +78,13 @@ def _simulated(
         return _of_events(dense, effects, evidence, responder, once=once)
     if first is None:
         first = _with_misfit(responder.change(effects), evidence)
+        for dnl in (effect for effect in effects if isinstance(effect, AdcDnl)):
+            codes = change_by_widths(dnl, responder.chain, evidence)
+            first = replace(first, codes=np.stack([codes, codes]))
+    found = first
     if not once and any(needs_two_draws(effect, responder) for effect in effects):
-        first = _compared(first, effects, evidence, responder)
-    for dnl in (effect for effect in effects if isinstance(effect, AdcDnl)):
-        codes = change_by_widths(dnl, responder.chain, evidence)
-        first = replace(first, codes=np.stack([codes, codes]))
-    return replace(first, monitor=light_change(effects, evidence.table))
+        found = _compared(first, effects, evidence, responder)
+    return replace(found, monitor=light_change(effects, evidence.table))
 
 
 def _of_faults(

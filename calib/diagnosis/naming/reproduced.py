@@ -1,5 +1,7 @@
 """What two draws of an effect have in common: the rest of each is chance."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,7 +38,8 @@ def reproduced(
             part in either, and each pixel keeps its own.
         exact: Whether means are alike in both.
     """
-    half = (one + other) * 0.5
+    # Of the histogram nothing is drawn.
+    half = (replace(one, codes=other.codes) + other) * 0.5
     first = (evidence.baseline.mean_dn - evidence.baseline.offset_dn).reshape(one.means.shape)
     means = one.means
     if not exact:
@@ -49,8 +52,7 @@ def reproduced(
         pooled[:, where] *= _share(white[0][:, where], white[1][:, where])
     return Change(
         means, _shrunk(one.onset, other.onset), pooled, half.rare,
-        one.pixel_variance, np.stack([one.codes[0], other.codes[-1]]), half.tones,
-        one.pixel_misfit,
+        one.pixel_variance, one.codes, half.tones, one.pixel_misfit,
     )  # fmt: skip
 
 

@@ -1,7 +1,8 @@
 """Signatures: the directions in which effects move a recording's statistics."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +40,7 @@ class Signature:
         change: Of the statistics.
         point: Of the whitened statistics.
         length: Of the point: by how many standard deviations it would be seen.
-        power: The change grows as this power of the strength.
+        grows: Tells `power`.
         beside: Faults of codes beside which it was taken.
     """
 
@@ -48,8 +49,13 @@ class Signature:
     change: Change
     point: Point
     length: float
-    power: float
+    grows: Callable[[], float] = lambda: 1.0
     beside: tuple[CodeFault, ...] = ()
+
+    @property
+    def power(self) -> float:
+        """The change grows as this power of the strength; of most shapes, nobody asks."""
+        return self.grows()
 
 
 def signature(
@@ -66,10 +72,10 @@ def signature(
         found = _taken(shape, found.strength, evidence, responder, first=found.change)
     if found.length < FEWEST_SIGMA:
         return None
-    power = 1.0 if shape.two_sided or shape.fixed else _power(tried)
     if _is_whitened_along_a_curve(shape, responder):
-        power = _power_here(found, evidence, responder)
-    return replace(found, power=power)
+        return _growing_here(found, evidence, responder)
+    power = 1.0 if shape.two_sided or shape.fixed else _power(tried)
+    return replace(found, grows=lambda: power)
 
 
 def _first_look(
@@ -105,12 +111,12 @@ def retaken(
     ratio = max(abs(amplitude), 1e-6) ** (1.0 / one.power)
     strength = float(np.copysign(min(ratio, 1e3) * one.strength, amplitude))
     again = _taken(one.shape, strength, evidence, responder, beside=one.beside)
-    power = one.power
-    if not one.shape.two_sided:
-        power = _power([(one.strength, one.length), (abs(strength), again.length)])
     if _is_whitened_along_a_curve(one.shape, responder):
-        power = _power_here(again, evidence, responder)
-    return replace(again, power=power)
+        return _growing_here(again, evidence, responder)
+    if one.shape.two_sided:
+        return replace(again, grows=one.grows)
+    power = _power([(one.strength, one.length), (abs(strength), again.length)])
+    return replace(again, grows=lambda: power)
 
 
 def beside_faults(
@@ -123,18 +129,14 @@ def beside_faults(
 
     Where codes stop there are few for a bit to change, and none that it moves below the stop.
     """
+
+    def anew(one: Signature) -> Signature:
+        again = _taken(one.shape, one.strength, evidence, responder, beside=faults)
+        return again if one.shape.fixed else _growing_here(again, evidence, responder)
+
     if not faults:
         return list(signatures)
-    found = []
-    for one in signatures:
-        if isinstance(one.shape.template, CodeFault):
-            again = _taken(one.shape, one.strength, evidence, responder, beside=faults)
-            if not one.shape.fixed:
-                again = replace(again, power=_power_here(again, evidence, responder))
-            found.append(again)
-        else:
-            found.append(one)
-    return found
+    return [anew(one) if isinstance(one.shape.template, CodeFault) else one for one in signatures]
 
 
 def is_of_events(shape: Shape, responder: Responder) -> bool:
@@ -156,10 +158,16 @@ def _is_whitened_along_a_curve(shape: Shape, responder: Responder) -> bool:
     return not shape.fixed and (counted or is_tone(shape.template))
 
 
-def _power_here(one: Signature, evidence: Evidence, responder: Responder) -> float:
-    """Return the power of the strength with which a signature grows where it was taken."""
-    more = _taken(one.shape, 1.2 * one.strength, evidence, responder, once=True, beside=one.beside)
-    return _power([(one.strength, one.length), (more.strength, more.length)])
+def _growing_here(one: Signature, evidence: Evidence, responder: Responder) -> Signature:
+    """Return the signature with the power with which it grows where it was taken, once asked."""
+    shape, strength, beside = one.shape, one.strength, one.beside
+
+    @cache
+    def power() -> float:
+        more = _taken(shape, 1.2 * strength, evidence, responder, once=True, beside=beside)
+        return _power([(strength, one.length), (more.strength, more.length)])
+
+    return replace(one, grows=power)
 
 
 def _power(tried: list[tuple[float, float]]) -> float:
@@ -187,4 +195,4 @@ def _taken(
         without = change_of(beside, evidence, responder)
         change, point = change - without, point - evidence.point(without)
     length = float(np.sqrt(max(evidence.product(point, point), 0.0)))
-    return Signature(shape, strength, change, point, length, 1.0, beside)
+    return Signature(shape, strength, change, point, length, beside=beside)

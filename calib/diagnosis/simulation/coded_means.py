@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import default_rng
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.forward.conditions import Conditions
@@ -60,7 +60,7 @@ def coded_means(
     adc = Adc(chain.sensor.camera.bit_depth)
     smooth = std.min() > ROUNDED_DN and all(place_of(e) < place_of(adc) for e in coded)
     n = SMOOTH_NODES if smooth else NODES
-    nodes = norm.ppf((np.arange(n) + 0.5) / n)
+    nodes = ndtri((np.arange(n) + 0.5) / n)
     lines = (mean + nodes[:, None] * std).reshape(n, *chain.sensor.sample)
     at = replace(at, line_times_s=np.full(n, float(at.line_times_s[0])))
     if smooth:

@@ -30,7 +30,6 @@ class Drawn:
         events: What is counted in each block.
         drawn: Lines that were drawn of each block.
         ratio: Each pixel's variance over what is expected, (n_blocks, n_pixels).
-        codes: Shares of samples by code, (n_blocks, n_codes); (n_blocks, 1) where there are none.
     """
 
     products: tuple[ResidualProducts, ...]
@@ -39,7 +38,6 @@ class Drawn:
     events: tuple[RareEvents, ...]
     drawn: int
     ratio: Floats
-    codes: Floats
 
     def pooled(self, variance: Floats, sensor: Sensor, counts: Counts) -> Floats:
         """Return the pooled statistics, (n_blocks, n_pooled).
@@ -110,7 +108,6 @@ def drawn_of(lines: Floats, chain: FittedChain, *, coded: bool) -> Drawn:
     return Drawn(
         tuple(products), tuple(blocks), tuple(counts),
         tuple(events), n, ratio,
-        _shares(lines, again, sensor, coded=coded),
     )  # fmt: skip
 
 
@@ -145,14 +142,3 @@ def _rare(
     for b in np.flatnonzero(products.outliers.any(axis=(1, 2))):
         found[b] = rare_events(lines[b], mean[b], sigma[b], products.outliers[b], repeated)
     return found
-
-
-def _shares(lines: Floats, again: NDArray[np.bool_], sensor: Sensor, *, coded: bool) -> Floats:
-    if not coded:
-        return np.zeros((len(lines), 1))
-    n_codes = sensor.camera.full_scale_dn + 1
-    found = []
-    for each, skip in zip(lines, again, strict=True):
-        codes = each[~skip].ravel().astype(np.int64)
-        found.append(np.bincount(codes, minlength=n_codes) / max(len(codes), 1))
-    return np.stack(found)

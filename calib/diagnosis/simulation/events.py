@@ -56,7 +56,6 @@ def _unit(dense: Departure, responder: Responder) -> Change:
         pooled = half.pooled * (0.0 if dense.stage >= Stage.TRANSPORT else 1.0)
         known[dense] = Change(
             np.zeros_like(half.means), np.zeros_like(half.onset), pooled, half.rare,
-            nothing, np.stack([draws[0].codes[0], draws[1].codes[-1]]), np.zeros_like(half.tones),
-            nothing,
+            nothing, half.codes, np.zeros_like(half.tones), nothing,
         )  # fmt: skip
     return known[dense]

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.baseline.baseline import Baseline
-from calib.diagnosis.baseline.expected_codes import fine_blocks
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.diagnosis.simulation.drawing import Drawing
@@ -79,7 +78,7 @@ class Responder:
             moved,
             smoothed_rates(rare, trials, table),
             ratio,
-            lines.codes(fine_blocks(self.chain.baseline)),
+            np.zeros((2, 1)),  # what codes do to the histogram is told by the chance of each
             lines.at_peaks(self.peaks),
             np.zeros(len(ratio)),
         )

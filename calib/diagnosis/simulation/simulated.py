@@ -21,7 +21,6 @@ from calib.diagnosis.simulation.tone_lines import ToneLines
 from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.pooled import ONSET_LINES
 from calib.diagnosis.statistics.tones import Peak
-from calib.forward.departure import Departure
 from calib.forward.effect import Effect, Stage
 
 Floats = NDArray[np.float64]
@@ -95,14 +94,6 @@ class Simulated:
             found = found + peak_change(self._without_events, self._variance, peaks)
         return found
 
-    def codes(self, fine: NDArray[np.bool_]) -> Floats:
-        """Return the change of code shares in blocks that are `fine`, (1, n_codes); else (2, 1)."""
-        weight = self.chain.table.n_lines * fine
-        if any(map(_is_in_histogram, self.effects)) and weight.any():
-            of_blocks = _mean([d.codes for d in self.drawn]) - self.plain.codes
-            return np.asarray(np.average(of_blocks, 0, weight))[None]
-        return np.zeros((2, 1))
-
     @property
     def _variance(self) -> Floats:
         return self.chain.baseline.variance_dn2
@@ -120,10 +111,3 @@ def act_on_codes(effects: Sequence[Effect]) -> bool:
 
 def _mean(values: Sequence[Floats]) -> Floats:
     return values[0] if len(values) == 1 else np.mean(values, axis=0)
-
-
-def _is_in_histogram(effect: Effect) -> bool:
-    """Return whether an effect changes how often codes are seen about a pixel's own mean."""
-    if effect.stage < Stage.CODES or not isinstance(effect, Departure):
-        return False
-    return effect.shows_in == "histogram"

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.baseline.expected_codes import between_edges, own_means_hidden
+from calib.diagnosis.baseline.expected_codes import between_edges, in_steps, own_means_hidden
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.diagnosis.simulation.coded_means import moved_by_codes
@@ -25,12 +25,14 @@ def change_by_widths(dnl: AdcDnl, chain: FittedChain, evidence: Evidence) -> Flo
     """
     base, counts = evidence.baseline, evidence.code_counts
     shape, hidden = base.mean_dn.shape, own_means_hidden(base)
-    edges = np.concatenate([[0.0], np.cumsum(dnl.widths())]) - 0.5
     moved = moved_by_codes(chain, (dnl,), np.zeros((shape[0], base.mean_dn[0].size)))
-    found = np.zeros(len(counts.expected))
-    for b, expected in counts.of_blocks.items():
+    n_codes, together = len(counts.expected), dict[int, Floats]()
+    for b in counts.of_blocks:
         each, noise = evidence.sums[b], base.variance_dn2[b]
         noise = noise + evidence.common.shared_dn2(float(evidence.signal_dn[b]))
         about = base.mean_dn[b] if hidden[b] else each.mean_dn - moved[b].reshape(shape[1:])
-        found += between_edges(about, noise, each.n_lines, edges) - expected
-    return found / max(counts.samples, 1.0)
+        fine, steps = in_steps(about, noise, each.n_lines, n_codes)
+        together[fine] = together.get(fine, 0.0) + steps
+    edges = np.concatenate([[0.0], np.cumsum(dnl.widths())]) - 0.5
+    found = sum(between_edges(steps, fine, edges) for fine, steps in together.items())
+    return np.asarray((found - counts.expected) / max(counts.samples, 1.0))
