@@ -29,8 +29,9 @@ $(VENV)/ready: requirements.lock tests/sample-data.lock pyproject.toml docker/in
 demo: setup
 	$(BIN)/darkflat demo --out demo
 
+# Each worker has a core: the threads that OpenBLAS would start beside it wait for one, spinning.
 test: setup
-	$(BIN)/pytest -n $(WORKERS)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS)
 
 check: setup
 	$(BIN)/ruff format --check .
