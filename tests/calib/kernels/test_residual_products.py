@@ -86,3 +86,14 @@ def test_expected_histogram_is_that_of_rounded_and_clipped_gaussians() -> None:
     # Tails beyond 7 standard deviations are put into the next code, 3e-12 of all; the next term of
     # the series for wide noise, H8 / (92897280 s^8) of a density of 0.4 / s, is 0.9e-9 at 2 DN.
     np.testing.assert_allclose(expected_histogram(mean, std, 7.0, 64), twin, atol=350 * 1e-9)
+
+
+@pytest.mark.parametrize("noise", [12.5, 40.0, 170.0])
+def test_codes_between_which_wide_noise_is_interpolated_are_told_as_well(noise: float) -> None:
+    rng = np.random.default_rng()
+    mean, std = rng.uniform(-300.0, 4400.0, 50), noise * rng.uniform(1.0, 2.0, 50)
+    edges = np.concatenate([[-np.inf], np.arange(4095) + 0.5, [np.inf]])
+    twin = sum(7.0 * np.diff(norm.cdf(edges, m, s)) for m, s in zip(mean, std, strict=True))
+    # Each of 50 pixels is off by 7e-8 of its density's height, 0.4 / noise, at the most.
+    most = 350 * 0.4 / noise * 7e-8
+    np.testing.assert_allclose(expected_histogram(mean, std, 7.0, 4096), twin, atol=most)
