@@ -1,6 +1,6 @@
 """Moments of pixels whose codes have known chances, without the samples that lie beyond a cut."""
 
-from math import log2
+from math import frexp, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 N_MOMENTS = 6
+ROOT_HALF = sqrt(0.5)
 
 
 class Limits(NamedTuple):
@@ -67,76 +68,108 @@ def _fill(codes, chance, sigma, limits, moments, far):  # type: ignore[no-untype
         cut = limits.cut * sigma[k] + 1.0
         mean = _mean(codes[k], chance[k], 0.0, np.inf)
         if _beyond(codes[k], chance[k], mean, cut) > limits.hardly:
-            mean = _mean(codes[k], chance[k], _median(codes[k], chance[k]), cut)
+            middle = _median(codes[k], chance[k], mean, sigma[k] + 1.0)
+            mean = _mean(codes[k], chance[k], middle, cut)
         _add(codes[k], chance[k], sigma[k], mean, cut, limits, moments[k], far[k])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"reassoc", "nsz"})
 def _mean(codes, chance, middle, cut):  # type: ignore[no-untyped-def]  # compiled
     total, weight = 0.0, 0.0
     for j in range(codes.shape[0]):
-        if abs(codes[j] - middle) <= cut:
-            total += chance[j] * codes[j]
-            weight += chance[j]
+        code, share = codes[j], chance[j]
+        inside = share if abs(code - middle) <= cut else 0.0
+        total += inside * code
+        weight += inside
     return total / max(weight, 1e-12)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"reassoc", "nsz"})
 def _beyond(codes, chance, mean, cut):  # type: ignore[no-untyped-def]  # compiled
-    share = 0.0
+    beyond = 0.0
     for j in range(codes.shape[0]):
-        if abs(codes[j] - mean) > cut:
-            share += chance[j]
-    return share
+        share = chance[j]
+        beyond += share if abs(codes[j] - mean) > cut else 0.0
+    return beyond
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "nsz"})
+def _upto(codes, chance, code):  # type: ignore[no-untyped-def]  # compiled
+    upto = 0.0
+    for j in range(codes.shape[0]):
+        share = chance[j]
+        upto += share if codes[j] <= code else 0.0
+    return upto
 
 
 @njit(cache=True, nogil=True)
-def _median(codes, chance):  # type: ignore[no-untyped-def]  # compiled
-    """Return the lowest code up to which half of the samples lie, by halving what it may be."""
+def _median(codes, chance, about, wide):  # type: ignore[no-untyped-def]  # compiled
+    """Return the lowest code up to which half of the samples lie, by halving what it may be.
+
+    It is looked for `about` a place first, and on either side in steps of `wide` that double.
+    """
     half = 0.5 * chance.sum()
-    low, high = codes.min() - 1.0, codes.max()
+    low, high, step = codes.min() - 1.0, codes.max(), np.ceil(wide)
+    middle = min(max(np.floor(about), low), high)
+    if _upto(codes, chance, middle) >= half:
+        high = middle
+        while middle - step > low and _upto(codes, chance, middle - step) >= half:
+            high, step = middle - step, 2.0 * step
+        low = max(low, middle - step)
+    else:
+        low = middle
+        while middle + step < high and _upto(codes, chance, middle + step) < half:
+            low, step = middle + step, 2.0 * step
+        high = min(high, middle + step)
     while high - low > 1.0:
         middle = np.floor(0.5 * (low + high))
-        upto = 0.0
-        for j in range(codes.shape[0]):
-            if codes[j] <= middle:
-                upto += chance[j]
-        if upto >= half:
+        if _upto(codes, chance, middle) >= half:
             high = middle
         else:
             low = middle
     return high
 
 
+@njit(cache=True, nogil=True, fastmath={"reassoc", "nsz"})
+def _sums(codes, chance, mean, cut, near, beside):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
+    """Return shares near the cut, raised and beyond it, and sums of powers of what is within."""
+    by_cut, raised, out, shift, square, fourth = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(codes.shape[0]):
+        off, share = codes[j] - mean, chance[j]
+        size = abs(off)
+        by_cut += share if abs(size - cut) < near else 0.0
+        raised += share if off > beside else 0.0
+        inside = share if size <= cut else 0.0
+        out += share if size > cut else 0.0
+        shift += inside * off
+        square += inside * off * off
+        fourth += inside * off * off * off * off
+    return by_cut, raised, out, shift, square, fourth
+
+
 @njit(cache=True, nogil=True)
 def _add(codes, chance, sigma, mean, cut, limits, moments, far):  # type: ignore[no-untyped-def]  # noqa: PLR0917 - compiled
-    shift, near = 0.0, 0.0
-    for j in range(codes.shape[0]):
-        off = codes[j] - mean
-        size = abs(off)
-        if abs(size / cut - 1.0) < limits.near:
-            near += chance[j]
-        if off > limits.beside * sigma:
-            moments[5] += chance[j]
-        if size > cut:
-            moments[3] += chance[j]
-            if size > limits.far * sigma:
-                far[_kind(off, sigma, limits, (far.shape[0] - 2) // 2)] += chance[j]
-        else:
-            square = off * off
-            shift += chance[j] * off
-            moments[1] += chance[j] * square
-            moments[2] += chance[j] * square * square
+    near, raised, out, shift, square, fourth = _sums(
+        codes, chance, mean, cut, limits.near * cut, limits.beside * sigma
+    )
     # Where samples lie near the cut, those about the first mean have another than those about the
     # median.
-    moments[0] = mean + shift
-    moments[4] = 1.0 if near > limits.near_share else 0.0
+    moments[0], moments[1], moments[2] = mean + shift, square, fourth
+    moments[3], moments[4], moments[5] = out, 1.0 if near > limits.near_share else 0.0, raised
+    if out > 0.0:
+        for j in range(codes.shape[0]):
+            off = codes[j] - mean
+            if abs(off) > cut and abs(off) > limits.far * sigma:
+                far[_kind(off, sigma, limits, (far.shape[0] - 2) // 2)] += chance[j]
 
 
 @njit(cache=True, nogil=True)
 def _kind(off, sigma, limits, flips):  # type: ignore[no-untyped-def]  # compiled
     size = max(abs(off), 1.0)
-    bit = min(int(np.rint(log2(size))), flips - 1)
-    if abs(size - 2.0**bit) < limits.flip * sigma and size > limits.very_far * sigma:
-        return 2 + bit + (0 if off > 0.0 else flips)
+    if size > limits.very_far * sigma:
+        # The power of two that is nearest in its logarithm.
+        part, above = frexp(size)
+        bit = min(above if part > ROOT_HALF else above - 1, flips - 1)
+        if abs(size - 2.0**bit) < limits.flip * sigma:
+            return 2 + bit + (0 if off > 0.0 else flips)
     return 0 if off > 0.0 else 1

@@ -6,6 +6,7 @@ recording: samples beyond the cut about the median are left out.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,8 @@ LIMITS = Limits(
 """Those by which a recording's samples are told apart."""
 KINDS = 2 + 2 * FLIPS
 """Kinds of samples that stand out: above, below, and bits that were raised and lowered."""
+MOST_KEPT = 1 << 16
+"""Chances of so many codes, of all nodes, are kept for the next faults; more are told anew."""
 
 
 @dataclass(frozen=True)
@@ -91,31 +94,67 @@ class PixelMoments:
         return PixelMoments(**{**found, "mean": places + np.interp(places, nodes, offset)})
 
 
-def pixel_moments(
-    means: Floats, variance: Floats, sigma: Floats, faults: Sequence[CodeFault], top: int
-) -> PixelMoments:
-    """Return the moments of pixels whose noise is a straight function of their means.
+@dataclass(frozen=True)
+class PixelCodes:
+    """Pixels whose noise is a straight function of their means: which codes they give.
 
-    Args:
+    Attributes:
         means: Of pixels before rounding and before any fault, DN, (n,).
-        variance: Of each with rounding, DN^2, (n,).
-        sigma: By which the recording tells what stands out of each, DN, (n,).
-        faults: In the order in which they act.
+        nodes: Means between which they lie, DN, (n_nodes,).
+        spread: Noise there, without rounding's, DN, likewise.
+        middle: By which the recording tells what stands out there, DN, likewise.
+        apart: By how much pixels scatter about that, DN.
         top: The highest code.
     """
-    nodes = nodes_between(means, np.sqrt(max(float(variance.min()), 1.0 / 12.0)))
-    spread = np.sqrt(np.maximum(straight(means, variance, nodes) - 1.0 / 12.0, 1e-2))
-    if not faults and is_gaussian(nodes, spread, top):
-        return PixelMoments.gaussian(spread, nodes).at(nodes, means)
-    codes, chance = stored_chances(*code_chances(nodes, spread, top), faults)
-    middle = about_nodes(nodes, means, sigma)
-    # Pixels' cuts scatter as what they are told from: half of them are lower, half higher.
-    apart = float((sigma - np.interp(means, nodes, middle)).std())
-    found = _moments(codes, chance, middle)
-    if not found.near.any() or apart < 0.01 * float(middle.min()):
-        return found.at(nodes, means)
-    low, high = (_moments(codes, chance, middle + way * apart) for way in (-1.0, 1.0))
-    return low.and_as_many(high).at(nodes, means)
+
+    means: Floats
+    nodes: Floats
+    spread: Floats
+    middle: Floats
+    apart: float
+    top: int
+
+    @classmethod
+    def of(cls, means: Floats, variance: Floats, sigma: Floats, top: int) -> "PixelCodes":
+        """Return those of pixels.
+
+        Args:
+            means: Of pixels before rounding and before any fault, DN, (n,).
+            variance: Of each with rounding, DN^2, (n,).
+            sigma: By which the recording tells what stands out of each, DN, (n,).
+            top: The highest code.
+        """
+        nodes = nodes_between(means, np.sqrt(max(float(variance.min()), 1.0 / 12.0)))
+        spread = np.sqrt(np.maximum(straight(means, variance, nodes) - 1.0 / 12.0, 1e-2))
+        middle = about_nodes(nodes, means, sigma)
+        apart = float((sigma - np.interp(means, nodes, middle)).std())
+        return cls(means, nodes, spread, middle, apart, top)
+
+    def moments(self, faults: Sequence[CodeFault]) -> PixelMoments:
+        """Return the moments of the pixels behind `faults`, in the order in which they act."""
+        nodes, spread, middle, apart = self.nodes, self.spread, self.middle, self.apart
+        if not faults and is_gaussian(nodes, spread, self.top):
+            return PixelMoments.gaussian(spread, nodes).at(nodes, self.means)
+        codes, chance = stored_chances(*self._chances(), faults)
+        # Pixels' cuts scatter as what they are told from: half of them are lower, half higher.
+        found = _moments(codes, chance, middle)
+        if not found.near.any() or apart < 0.01 * float(middle.min()):
+            return found.at(nodes, self.means)
+        low, high = (_moments(codes, chance, middle + way * apart) for way in (-1.0, 1.0))
+        return low.and_as_many(high).at(nodes, self.means)
+
+    def _chances(self) -> tuple[Floats, Floats]:
+        """Return codes about each node and the chance of each, (n_nodes, n_codes), kept if few."""
+        if not self._kept:
+            found = code_chances(self.nodes, self.spread, self.top)
+            if found[1].size > MOST_KEPT:
+                return found
+            self._kept.append(found)
+        return self._kept[0]
+
+    @cached_property
+    def _kept(self) -> list[tuple[Floats, Floats]]:
+        return []
 
 
 def _between(values: Floats, nodes: Floats, places: Floats) -> Floats:

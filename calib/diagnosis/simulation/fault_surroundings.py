@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.simulation.fault_chances import are_touched
-from calib.diagnosis.simulation.fault_moments import PixelMoments, pixel_moments
+from calib.diagnosis.simulation.fault_moments import PixelCodes, PixelMoments
 from calib.diagnosis.statistics.change import Change
 from calib.forward.code_fault import CodeFault
 
@@ -60,18 +60,11 @@ class Surroundings:
 
     def moments(self, faults: Sequence[CodeFault], b: int) -> PixelMoments:
         """Return the moments of a block's pixels, flat, tap by tap: each has its own noise."""
-        sensor, seen = self.evidence.sensor, self.evidence.sums[b].sigma_dn
+        sensor = self.evidence.sensor
         whole: dict[str, Floats] = {}
         for tap in range(sensor.n_taps):
             of_tap = sensor.tap == tap
-            acting = [fault for fault in faults if fault.acts_on(tap)]
-            part = pixel_moments(
-                self.means[b][of_tap],
-                self.variance[b][of_tap],
-                seen[of_tap],
-                acting,
-                self.n_codes - 1,
-            )
+            part = self._codes_of(b, tap).moments([f for f in faults if f.acts_on(tap)])
             for each in fields(part):
                 found = getattr(part, each.name)
                 whole.setdefault(each.name, np.zeros((sensor.n_pixels, *found.shape[1:])))
@@ -84,6 +77,18 @@ class Surroundings:
         if b not in self._moments:
             self._moments[b] = self.moments((), b)
         return self._moments[b]
+
+    def _codes_of(self, b: int, tap: int) -> PixelCodes:
+        """Return what codes the pixels of a block's tap give."""
+        if (b, tap) not in self._codes:
+            of_tap, seen = self.evidence.sensor.tap == tap, self.evidence.sums[b].sigma_dn
+            about = (self.means[b][of_tap], self.variance[b][of_tap], seen[of_tap])
+            self._codes[b, tap] = PixelCodes.of(*about, self.n_codes - 1)
+        return self._codes[b, tap]
+
+    @cached_property
+    def _codes(self) -> dict[tuple[int, int], PixelCodes]:
+        return {}
 
     @cached_property
     def _moments(self) -> dict[int, PixelMoments]:

@@ -12,7 +12,7 @@ from calib.diagnosis.naming.changes import change_of
 from calib.diagnosis.naming.faulty_tap import faulty_tap
 from calib.diagnosis.naming.told_shapes import suspect_bits, told_shapes
 from calib.diagnosis.recorded.sensor import Sensor
-from calib.diagnosis.simulation.fault_moments import pixel_moments
+from calib.diagnosis.simulation.fault_moments import PixelCodes
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.statistics.gather import block_sums
 from calib.forward.code_fault import CodeFault
@@ -38,7 +38,7 @@ def test_moments_of_faulty_codes_are_those_of_drawn_ones(fault: CodeFault) -> No
     codes = np.where(rng.random(codes.shape) < fault.chance, fault.faulty(codes), codes)
     variance = np.full(len(means), noise**2 + 1.0 / 12.0)
     sigma = np.full(len(means), noise)
-    told = pixel_moments(means, variance, sigma, (fault,), TOP)
+    told = PixelCodes.of(means, variance, sigma, TOP).moments((fault,))
     cut = 5.0 * noise + 1.0
     off = codes - told.mean
     within = np.abs(off) <= cut
