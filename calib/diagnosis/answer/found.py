@@ -9,7 +9,8 @@ from calib.diagnosis.answer.estimate import Estimate
 from calib.diagnosis.answer.finding import Finding, NamedCandidate
 from calib.diagnosis.answer.locate import locate
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.contest import Contest, contribution
+from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.contribution import contribution
 from calib.diagnosis.naming.heldout import HeldOut, HeldOutDeviances
 from calib.diagnosis.naming.imperfection import left_by_others
 from calib.diagnosis.naming.judgement import Candidate, candidates_of

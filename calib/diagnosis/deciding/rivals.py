@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from calib.diagnosis.answer.diagnosis import AMBIGUOUS
 from calib.diagnosis.answer.finding import Finding
 from calib.diagnosis.diagnose import Examination
-from calib.diagnosis.naming.contest import Contest, contribution
+from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.contribution import contribution
 from calib.diagnosis.naming.model import Member
 from calib.diagnosis.naming.scores import scores
 from calib.diagnosis.naming.signatures import retaken

@@ -31,3 +31,8 @@ class Point:
     def __mul__(self, factor: float) -> "Point":
         """Return it scaled."""
         return Point(self.means * factor, self.rest * factor)
+
+    @property
+    def nbytes(self) -> int:
+        """Size in memory."""
+        return self.means.nbytes + self.rest.nbytes

@@ -7,24 +7,24 @@ by.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import log, pi, sqrt
-
-import numpy as np
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
+from calib.diagnosis.naming.contribution import contribution, unfitted
 from calib.diagnosis.naming.courses import PRICE
 from calib.diagnosis.naming.freeing import with_free_law
+from calib.diagnosis.naming.known_fits import KnownFits
+from calib.diagnosis.naming.laws import open_variable
 from calib.diagnosis.naming.model import Member, Model
 from calib.diagnosis.naming.refit import misfit, refitted
 from calib.diagnosis.naming.scores import Score, best_by_name, scores, sharpened
 from calib.diagnosis.naming.shape import Shape
 from calib.diagnosis.naming.signatures import Signature, beside_faults
 from calib.diagnosis.simulation.response import Responder
-from calib.diagnosis.statistics.change import Change
 from calib.forward.code_fault import CodeFault
 from calib.forward.departure import Variable
 
@@ -41,12 +41,14 @@ class Contest:
         evidence: What they are to explain.
         responder: Takes signatures anew.
         free: Variables whose laws are left free where that is worth its price.
+        known: What was found already, also with other laws free.
     """
 
     signatures: tuple[Signature, ...]
     evidence: Evidence
     responder: Responder
     free: frozenset[Variable] = frozenset()
+    known: KnownFits = field(default_factory=KnownFits, compare=False)
 
     @cached_property
     def shapes(self) -> dict[str, int]:
@@ -62,36 +64,53 @@ class Contest:
             k: A member whose place is looked at: what it explains is to be explained, too.
             worth: The best of them are looked at closely where they explain more than this.
         """
-        named = {m.signature.shape.name for m in model.members}
-        left = [s for s in self.signatures if s.shape.name not in named]
-        left = beside_faults(left, _faults(model, k), self.evidence, self.responder)
-        directions = self._of_others(model, k)
-        residual = model.residual
-        if k is not None:
-            residual = residual + contribution(model.members[k])
-        ranked = scores(left, residual, directions, self.evidence)
+        ranked = self.known.ranked(model, k, "as they are", lambda: self._scored(model, k))
         if ranked and ranked[0].net > worth:
-            sharper = sharpened(ranked, self.evidence, self.responder)
-            again = scores(sharper, residual, directions, self.evidence)
-            ranked = [
-                replace(s, net=s.gain - self.price_of_shape(s.signature.shape)) for s in again
-            ]
-        basis = orthonormal(directions, self.evidence)
-        freed = [
-            with_free_law(score, self.free, residual, basis, self.evidence)
-            for score in best_by_name(ranked)
-        ]
+            linear = ranked
+            ranked = self.known.ranked(model, k, "sharp", lambda: self._sharp(linear, model, k))
+        freed = self._freed(best_by_name(ranked), model, k)
         others = [m for j, m in enumerate(model.members) if j != k]
         freed = [replace(s, net=s.net - told_twice(s.signature.shape, others)) for s in freed]
         return sorted(freed, key=lambda score: -score.net)
 
+    def _scored(self, model: Model, k: int | None) -> list[Score]:
+        """Return what each shape explains, as its signature was taken first."""
+        named = {m.signature.shape.name for m in model.members}
+        left = [s for s in self.signatures if s.shape.name not in named]
+        left = beside_faults(left, _faults(model, k), self.evidence, self.responder)
+        return scores(left, self._left(model, k), self._of_others(model, k), self.evidence)
+
+    def _sharp(self, ranked: Sequence[Score], model: Model, k: int | None) -> list[Score]:
+        """Return the same with the best of the signatures taken anew."""
+        sharper = sharpened(ranked, self.evidence, self.responder)
+        again = scores(sharper, self._left(model, k), self._of_others(model, k), self.evidence)
+        return [replace(s, net=s.gain - self.price_of_shape(s.signature.shape)) for s in again]
+
+    def _freed(self, ranked: Sequence[Score], model: Model, k: int | None) -> list[Score]:
+        """Return what is ranked, laws left free where they may be and that is worth its price."""
+        residual = self._left(model, k)
+        basis = orthonormal(self._of_others(model, k), self.evidence)
+
+        def freed(score: Score) -> Score:
+            free = open_variable(score.signature) in self.free
+            parts = (residual, basis, self.evidence)
+            return self.known.freed(
+                model, k, score, free=free, made=lambda: with_free_law(score, *parts)
+            )
+
+        return [freed(score) for score in ranked]
+
+    def _left(self, model: Model, k: int | None) -> Point:
+        """Return what is to be explained in the place of member `k`."""
+        return model.residual if k is None else model.residual + contribution(model.members[k])
+
     def placed(self, model: Model, k: int | None, score: Score) -> Model:
         """Return the model with one effect more, or with it in the place of `k`, refitted."""
+        return self.known.placed(model, k, score, lambda: self._fitted(model, k, score))
+
+    def _fitted(self, model: Model, k: int | None, score: Score) -> Model:
         members = list(model.members)
-        if k is None:
-            members.append(_unfitted(score))
-        else:
-            members[k] = _unfitted(score)
+        members[slice(len(members), None) if k is None else slice(k, k + 1)] = [unfitted(score)]
         return self.refitted(model, members)
 
     def refitted(self, model: Model, members: Sequence[Member]) -> Model:
@@ -158,35 +177,3 @@ def told_twice(shape: Shape, others: Sequence[Member]) -> float:
 def _told_twice_by(model: Model, k: int) -> float:
     others = [m for j, m in enumerate(model.members) if j != k]
     return told_twice(model.members[k].signature.shape, others)
-
-
-def contribution(member: Member) -> Point:
-    """Return what the member contributes, linearly: its strength times its direction."""
-    point = member.directions[0] * _share(member)
-    for (_, part), much in zip(member.course, member.course_fit, strict=True):
-        point = point + part * much
-    return point
-
-
-def contribution_change(member: Member) -> Change:
-    """Return the same of the statistics themselves."""
-    change = member.changes[0] * _share(member)
-    for (part, _), much in zip(member.course, member.course_fit, strict=True):
-        change = change + part * much
-    return change
-
-
-def _share(member: Member) -> float:
-    return 1.0 if member.signature.shape.fixed else member.strength / member.signature.power
-
-
-def _unfitted(score: Score) -> Member:
-    signature = score.signature
-    ratio = abs(score.amplitude) ** (1.0 / signature.power)
-    strength = float(np.sign(score.amplitude) * ratio * signature.strength)
-    if signature.shape.fixed:
-        strength = 1.0
-    return Member(
-        signature, strength, {}, (0.0,), (signature.change,), (signature.point,),
-        score.course, (0.0,) * len(score.course),
-    )  # fmt: skip

@@ -1,15 +1,14 @@
 """Frees the law of a name that competes, where what that explains is worth its price."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
 from calib.diagnosis.naming.courses import PRICE, course
-from calib.diagnosis.naming.laws import leaves_parameters, open_variable
+from calib.diagnosis.naming.laws import leaves_parameters
 from calib.diagnosis.naming.scores import Score
-from calib.forward.departure import Variable
 
 WORTH_FREEING = 16.0
 """Deviance, after its price, from which on a law is freed: what chance seldom reaches."""
@@ -17,22 +16,20 @@ WORTH_FREEING = 16.0
 
 def with_free_law(
     score: Score,
-    free: Collection[Variable],
     residual: Point,
     basis: Sequence[Point],
     evidence: Evidence,
 ) -> Score:
-    """Return the score with its law left free where that is worth its price.
+    """Return the score of an effect whose law may be free with it free where that is worth it.
 
     Args:
         score: Of a signature.
-        free: Variables whose laws may be left free.
         residual: What is to be explained.
         basis: Orthonormal directions in which other effects can adapt.
         evidence: The recording.
     """
     keeps = leaves_parameters(score.signature)
-    if open_variable(score.signature) not in free or (score.gain <= WORTH_FREEING and not keeps):
+    if score.gain <= WORTH_FREEING and not keeps:
         return score
     parts = course(score.signature, residual, basis, evidence)
     points = [point for _, point in parts]

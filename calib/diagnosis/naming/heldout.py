@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
-from calib.diagnosis.naming.contest import contribution_change
+from calib.diagnosis.naming.contribution import contribution_change
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.statistics.change import Change
 

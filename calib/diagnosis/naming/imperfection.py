@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
-from calib.diagnosis.naming.contest import contribution
+from calib.diagnosis.naming.contribution import contribution
 from calib.diagnosis.naming.model import Model
 
 Floats = NDArray[np.float64]

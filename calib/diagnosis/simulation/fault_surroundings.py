@@ -3,7 +3,7 @@
 A search asks of many faults about the same means: what these give without any is worked out once.
 """
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 
@@ -20,8 +20,6 @@ Floats = NDArray[np.float64]
 
 LEAST_DN2 = 0.1
 """Other effects leave a pixel at least so much variance."""
-KEPT = 2
-"""Surroundings that are kept at a time."""
 
 
 @dataclass(frozen=True)
@@ -93,23 +91,6 @@ class Surroundings:
     @cached_property
     def _moments(self) -> dict[int, PixelMoments]:
         return {}
-
-
-class LatestSurroundings:
-    """The surroundings that were asked for last, by what they follow from."""
-
-    def __init__(self) -> None:
-        """Know none."""
-        self._latest: tuple[tuple[Hashable, Surroundings], ...] = ()
-
-    def of(self, key: Hashable, made: Callable[[], Surroundings]) -> Surroundings:
-        """Return the surroundings of that key, made where they are not among the latest."""
-        for known, surroundings in self._latest:
-            if known == key:
-                return surroundings
-        found = made()
-        self._latest = ((key, found), *self._latest[: KEPT - 1])
-        return found
 
 
 def variance_of_pixels(pooled: Floats, evidence: Evidence) -> Floats:

@@ -11,8 +11,8 @@ from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.chain_run import FittedChain
 from calib.diagnosis.simulation.drawing import Drawing
-from calib.diagnosis.simulation.fault_surroundings import LatestSurroundings
-from calib.diagnosis.simulation.known_changes import KnownChanges
+from calib.diagnosis.simulation.fault_surroundings import Surroundings
+from calib.diagnosis.simulation.latest import Latest
 from calib.diagnosis.simulation.sampled_lines import sampled_lines
 from calib.diagnosis.simulation.simulated import Simulated, act_on_codes
 from calib.diagnosis.simulation.smoothed_rates import smoothed_rates
@@ -26,6 +26,11 @@ from calib.forward.departure import Departure
 from calib.forward.effect import Effect, Stage
 
 Floats = NDArray[np.float64]
+
+MOST_BYTES = 1 << 27
+"""Of changes that are kept."""
+KEPT = 2
+"""Surroundings that are kept at a time."""
 
 
 @dataclass(frozen=True)
@@ -112,9 +117,9 @@ class Responder:
         )
 
     @cached_property
-    def known(self) -> KnownChanges:
+    def known(self) -> Latest[Change]:
         """What was simulated about this baseline, and about those that follow from it."""
-        return KnownChanges() if self.plain is None else self.plain.known
+        return Latest(lambda c: c.nbytes, MOST_BYTES) if self.plain is None else self.plain.known
 
     @cached_property
     def links_key(self) -> Hashable:
@@ -129,6 +134,6 @@ class Responder:
         return {}
 
     @cached_property
-    def surroundings(self) -> LatestSurroundings:
+    def surroundings(self) -> Latest[Surroundings]:
         """What faults of codes were last looked for among."""
-        return LatestSurroundings()
+        return Latest(lambda _: 1, KEPT)

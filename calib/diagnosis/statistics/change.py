@@ -58,3 +58,8 @@ class Change:
             self.means, self.onset, self.pooled, self.rare, self.pixel_variance, self.codes,
             self.tones, self.pixel_misfit, self.monitor,
         )  # fmt: skip
+
+    @property
+    def nbytes(self) -> int:
+        """Size in memory."""
+        return sum(part.nbytes for part in self.parts())

@@ -1,10 +1,8 @@
 import numpy as np
-import pytest
 
 from calib.diagnosis.naming.changes import change_of
-from calib.diagnosis.simulation import known_changes
 from calib.diagnosis.simulation.fitted_responder import responder_of
-from calib.diagnosis.simulation.known_changes import KnownChanges
+from calib.diagnosis.simulation.latest import Latest
 from calib.diagnosis.statistics.change import Change
 from calib.forward.effects.lag import Lag
 from calib.forward.effects.nonlinearity import Nonlinearity
@@ -15,12 +13,9 @@ def change(size: float) -> Change:
     return Change(*(np.full(4, size) for _ in range(9)))
 
 
-def test_what_is_known_is_not_simulated_again_until_too_much_is(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_what_is_known_is_not_simulated_again_until_too_much_is() -> None:
     # Nine parts of four numbers of eight bytes: there is room for two.
-    monkeypatch.setattr(known_changes, "MOST_BYTES", 2 * 9 * 4 * 8)
-    known = KnownChanges()
+    known = Latest[Change](lambda each: each.nbytes, 2 * 9 * 4 * 8)
     asked: list[str] = []
 
     def of(name: str) -> None:

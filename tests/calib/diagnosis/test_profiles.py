@@ -9,7 +9,8 @@ from numpy.random import default_rng
 from calib.arrays import Lines, Pixels, SampleShape
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.known import beside
-from calib.diagnosis.naming.contest import Contest, contribution
+from calib.diagnosis.naming.contest import Contest
+from calib.diagnosis.naming.contribution import contribution
 from calib.diagnosis.naming.looked_for import scales_of
 from calib.diagnosis.naming.model import Member, Model
 from calib.diagnosis.naming.remainder import unexplained_deviance

@@ -64,6 +64,18 @@ def found_of(
     return find(contest_of(clean(), names), started)
 
 
+def test_a_name_is_fitted_once_in_a_place_whatever_laws_are_free_elsewhere() -> None:
+    evidence = recording(Nonlinearity(2e-6))
+    contest, nothing = contest_of(evidence, ("nonlinearity",)), beside(None, evidence)
+    opened = replace(contest, free=frozenset({"time"}))
+    (one,), (other,) = contest.ranking(nothing), opened.ranking(nothing)
+    first = contest.placed(nothing, None, one)
+    assert opened.placed(nothing, None, other) is first
+    # Another strength to begin with, and another model of the same contents, are others.
+    assert contest.placed(nothing, None, replace(one, amplitude=2.0 * one.amplitude)) is not first
+    assert contest.placed(replace(nothing), None, one) is not first
+
+
 def test_two_effects_are_both_named_and_nothing_else() -> None:
     assert sorted(found_in(recording(Nonlinearity(2e-6), Lag(0.01)))) == ["lag", "nonlinearity"]
 
