@@ -1,6 +1,6 @@
 """AgCam's calibration again, from the presets: its Figures 3 to 7, drawn into a folder.
 
-    python examples/agcam.py [--out docs/gallery]
+    python examples/agcam.py [--out docs/gallery] [--sensors 12]
 
 It prints, as a Markdown table, what docs/agcam.md compares with the paper.
 """
@@ -47,7 +47,9 @@ def main() -> None:
     """Simulate, calibrate, draw and print both bands."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("docs/gallery"))
-    folder = parser.parse_args().out
+    parser.add_argument("--sensors", type=int, default=PATTERNS, help="drawn anew, of either band")
+    options = parser.parse_args()
+    folder = options.out
     folder.mkdir(parents=True, exist_ok=True)
     plan = Plan.load(HERE / "plans" / "agcam.toml")
     with TemporaryDirectory() as scratch:
@@ -60,7 +62,7 @@ def main() -> None:
                 for name, figure in figures(recording, calibration, band):
                     figure.savefig(folder / f"{band.preset}-{name}.png")
             print_table(recording, calibration, band)
-    print_orders(plan)
+    print_orders(plan, options.sensors)
 
 
 def figures(
@@ -125,12 +127,12 @@ def flat_at(recording: Recording, exposure_us: float) -> str:
     return next(b.block for b in blocks if b.kind == "flat" and b.exposure_us == exposure_us)
 
 
-def print_orders(plan: Plan) -> None:
-    """Print which orders are chosen when the sensor's pattern is drawn anew."""
+def print_orders(plan: Plan, sensors: int) -> None:
+    """Print which orders are chosen when the sensor's pattern is drawn anew so many times."""
     short = plan.model_copy(update={"lines": 119, "frame_lines": 119})
-    print(f"\norders chosen for {PATTERNS} sensors: by prediction; by residual variance\n")
+    print(f"\norders chosen for {sensors} sensors: by prediction; by residual variance\n")
     for band in BANDS:
-        chosen = [choice(band, short, seed) for seed in range(1, PATTERNS + 1)]
+        chosen = [choice(band, short, seed) for seed in range(1, sensors + 1)]
         prediction, residual = (" ".join(map(str, sorted(c))) for c in zip(*chosen, strict=True))
         print(f"| {band.preset} | {prediction} | {residual} |")
 

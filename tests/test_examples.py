@@ -9,12 +9,14 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 GALLERY = ROOT / "docs" / "gallery"
+FEWER = {"agcam": ("--sensors", "1"), "led_pinhole": ("--runs", "2")}
+"""Repetitions, for the numbers of a page: one runs as all do, and two have a scatter."""
 
 
 @pytest.mark.parametrize("example", sorted((ROOT / "examples").glob("*.py")), ids=lambda p: p.stem)
 def test_an_example_draws_its_pictures(example: Path, tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, example, "--out", tmp_path],
+        [sys.executable, example, "--out", tmp_path, *FEWER.get(example.stem, ())],
         cwd=ROOT, capture_output=True, text=True, check=False,
         env={**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT)},
     )  # fmt: skip
