@@ -66,7 +66,8 @@ def of_full_size(size: Size) -> Row:
             nonlocal peak_gb
             peak_gb = max(peak_gb, _by_command(path))
 
-        figures = race(mpix, {"ours": ours, "limit": lambda: _read(path)}, rounds=2)
+        contestants = {"ours": ours, "limit": lambda: _read(path)}
+        figures = race(mpix, contestants, rounds=min(size.rounds, 2))
     seconds = mpix / figures["ours"].rate
     return Row(
         work=f"darkflat diagnose, {size.frame} x {len(MANY)} blocks",

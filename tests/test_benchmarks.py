@@ -23,7 +23,7 @@ TOY = Size(
     stack_rows=30,
     stack_columns=40,
     stack_frames=16,
-    rounds=2,
+    rounds=1,
     recording_s=0.2,
     recording_mb_s=1.0,
 )
