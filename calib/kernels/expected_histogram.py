@@ -1,5 +1,6 @@
 """How often each code is expected of pixels with Gaussian noise, rounded and clipped."""
 
+from functools import lru_cache
 from math import erfc, exp, pi, sqrt
 
 import numpy as np
@@ -40,6 +41,14 @@ def expected_histogram(mean: Floats, std: Floats, samples: float, n_codes: int) 
     return counts
 
 
+def code_chances(mean: Floats, std: Floats, n_codes: int) -> Floats:
+    """Return the chance of each code in each pixel, (n_pixels, n_codes), as above."""
+    chances = np.zeros((len(mean), n_codes))
+    _add_each(mean, std, chances)
+    return chances
+
+
+@lru_cache(maxsize=64)
 def _weights(step: int) -> Floats:
     """Return Lagrange's weights of a code's neighbours among every `step`th, (step, 2 _SIDE)."""
     places = np.arange(1.0 - _SIDE, 1.0 + _SIDE)
@@ -49,6 +58,12 @@ def _weights(step: int) -> Floats:
         others = np.arange(len(places)) != k
         found[:, k] = off[:, others].prod(axis=1) / (place - places[others]).prod()
     return found
+
+
+@njit(cache=True, nogil=True)
+def _add_each(mean, std, chances):  # type: ignore[no-untyped-def]  # compiled
+    for i in range(mean.shape[0]):
+        _add(mean[i : i + 1], std[i : i + 1], 1.0, chances[i])
 
 
 @njit(cache=True, nogil=True)

@@ -26,7 +26,7 @@ class CodeContrasts:
     expected: Floats
     first: int
 
-    @property
+    @cached_property
     def samples(self) -> float:
         """All samples."""
         return float(self.observed.sum())
@@ -78,17 +78,17 @@ class CodeContrasts:
 
     def _contrasts(self, share: Floats) -> tuple[Floats, Floats]:
         """Return each judged code against its neighbours, relative, and the variance by chance."""
-        judged = self._judged
-        scale = self.samples / np.maximum(self.expected, 1e-9)
-        variance = self._counted + 1.5 * SHARE_ERROR**2
-        return _contrast(share * scale)[judged], variance[judged]
+        code = np.flatnonzero(self._judged)
+        places = (code, code - 1, (code + 1) % len(share))
+        one, below, above = (self._relative(share, place) for place in places)
+        return one - 0.5 * (below + above), self._counted[code] + 1.5 * SHARE_ERROR**2
+
+    def _relative(self, share: Floats, code: NDArray[np.intp]) -> Floats:
+        """Return what shares change of the samples of some codes, (n,), relative."""
+        return np.asarray(share[code] * self.samples / np.maximum(self.expected[code], 1e-9))
 
     @cached_property
     def _counted(self) -> Floats:
         """Variance of the codes' contrasts, relative, that counting gives, (n_codes,)."""
         inverse = 1.0 / np.maximum(self.expected, 1.0)
         return np.asarray(inverse + 0.25 * (np.roll(inverse, 1) + np.roll(inverse, -1)))
-
-
-def _contrast(values: Floats) -> Floats:
-    return np.asarray(values - 0.5 * (np.roll(values, 1) + np.roll(values, -1)))

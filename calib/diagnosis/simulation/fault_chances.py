@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from calib.forward.code_fault import CodeFault
+from calib.kernels import expected_histogram as kernel
 
 Floats = NDArray[np.float64]
 
@@ -36,10 +36,10 @@ def code_chances(nodes: Floats, spread: Floats, top: int) -> tuple[Floats, Float
     """Return codes about each node and the chance of each, (n_nodes, n_codes)."""
     # An odd step meets codes with a bit set as often as codes without.
     step = 2 * int(spread.min() / COARSE / 2) + 1
-    first = np.floor(nodes - REACH * spread)[:, None]
-    codes = first + np.arange(0.0, np.ceil(2.0 * REACH * spread.max()) + 2.0 * step, step)
-    upto = ndtr((codes + 0.5 * step - nodes[:, None]) / spread[:, None])
-    return np.clip(codes, 0.0, float(top)), np.diff(upto, axis=1, prepend=0.0)
+    first = np.floor(nodes - REACH * spread)
+    steps = np.arange(0.0, np.ceil(2.0 * REACH * spread.max()) + 2.0 * step, step)
+    chance = kernel.code_chances((nodes - first) / step, spread / step, len(steps))
+    return np.clip(first[:, None] + steps, 0.0, float(top)), chance
 
 
 def stored_chances(

@@ -29,7 +29,9 @@ def change_of_codes(
     """
     evidence = surroundings.evidence
     sensor, counts = evidence.sensor, evidence.code_counts
-    found, hidden = np.zeros(surroundings.n_codes), own_means_hidden(evidence.baseline)
+    hidden, n_codes = own_means_hidden(evidence.baseline), surroundings.n_codes
+    together = [(*each, np.zeros(n_codes)) for each in _together(faults, sensor)]
+    found = np.zeros(n_codes)
     for b, expected in counts.of_blocks.items():
         if not surroundings.touched_by(faults, b):
             continue
@@ -43,10 +45,10 @@ def change_of_codes(
             # About own means they scatter less, by what these scatter; jumps move them, too.
             about = evidence.sums[b].mean_dn - moved[b]
             noise = np.maximum(noise - added[b] / n, LEAST_DN2)
-        for of_tap, acting in _together(faults, sensor):
-            before = about_means(about[of_tap], noise[of_tap], n, surroundings.n_codes)
-            found += _mapped(before, acting)
+        for of_tap, _, before in together:
+            before[:] += about_means(about[of_tap], noise[of_tap], n, n_codes)
         found -= expected
+    found += sum(_mapped(before, acting) for _, acting, before in together)
     return found / max(counts.samples, 1.0)
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from calib.kernels.expected_histogram import expected_histogram
+from calib.kernels.expected_histogram import code_chances, expected_histogram
 from calib.kernels.residual_products import residual_products
 
 NO_PARTNER = np.zeros((0, 12), np.intp)
@@ -97,3 +97,12 @@ def test_codes_between_which_wide_noise_is_interpolated_are_told_as_well(noise: 
     # Each of 50 pixels is off by 7e-8 of its density's height, 0.4 / noise, at the most.
     most = 350 * 0.4 / noise * 7e-8
     np.testing.assert_allclose(expected_histogram(mean, std, 7.0, 4096), twin, atol=most)
+
+
+def test_the_chance_of_each_code_is_told_pixel_by_pixel() -> None:
+    rng = np.random.default_rng()
+    mean, std = rng.uniform(-1.0, 64.0, 50), rng.uniform(0.2, 6.0, 50)
+    one_by_one = [
+        expected_histogram(*each, 1.0, 64) for each in np.stack([mean, std], 1)[:, :, None]
+    ]
+    np.testing.assert_array_equal(code_chances(mean, std, 64), one_by_one)
