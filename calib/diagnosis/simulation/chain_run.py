@@ -172,6 +172,11 @@ class FittedChain:
         """Return whether an effect adds noise of its own that moments tell."""
         return self.noise.has_noise(effect)
 
+    @cached_property
+    def coded_means(self) -> dict[tuple[Effect, ...], Floats]:
+        """By how much effects of codes move all means, DN, (n_blocks, n_pixels), lately."""
+        return {}
+
     def _chain(self, effects: Sequence[Effect]) -> tuple[Effect, ...]:
         return tuple(sorted((*self.links, *effects), key=place_of))
 

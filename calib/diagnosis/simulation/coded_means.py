@@ -27,13 +27,26 @@ ROUNDED_DN = 0.5
 def moved_by_codes(chain: FittedChain, effects: Sequence[Effect], moved: Floats) -> Floats:
     """Return by how much effects of codes move all means, DN, (n_blocks, n_pixels).
 
-    Few drawn lines would tell by how rounding scatters in them.
+    Few drawn lines would tell by how rounding scatters in them. Where no other effect moves means,
+    the latest is kept: two draws and the histogram ask for the same.
 
     Args:
         chain: Of the links.
         effects: Those that act on codes count.
         moved: By how much the others move the means, DN, likewise.
     """
+    coded = tuple(effect for effect in effects if effect.stage >= Stage.CODES)
+    if moved.any():
+        return _moved(chain, coded, moved)
+    found = chain.coded_means.get(coded)
+    if found is None:
+        found = _moved(chain, coded, moved)
+        chain.coded_means.clear()
+        chain.coded_means[coded] = found
+    return found
+
+
+def _moved(chain: FittedChain, effects: Sequence[Effect], moved: Floats) -> Floats:
     mean = chain.baseline.mean_dn.reshape(moved.shape) + moved
     variance = chain.baseline.variance_dn2.reshape(moved.shape)
     first = [chain.table.at(b, np.zeros(1)) for b in range(len(mean))]

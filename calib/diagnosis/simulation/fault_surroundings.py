@@ -58,16 +58,19 @@ class Surroundings:
 
     def moments(self, faults: Sequence[CodeFault], b: int) -> PixelMoments:
         """Return the moments of a block's pixels, flat, tap by tap: each has its own noise."""
-        sensor = self.evidence.sensor
+        parts = [
+            self._codes_of(b, tap).moments([fault for fault in faults if fault.acts_on(tap)])
+            for tap in range(len(self._pixels))
+        ]
+        if len(parts) == 1:
+            return parts[0]
         whole: dict[str, Floats] = {}
-        for tap in range(sensor.n_taps):
-            of_tap = sensor.tap == tap
-            part = self._codes_of(b, tap).moments([f for f in faults if f.acts_on(tap)])
-            for each in fields(part):
-                found = getattr(part, each.name)
-                whole.setdefault(each.name, np.zeros((sensor.n_pixels, *found.shape[1:])))
-                if found.any():
-                    whole[each.name][of_tap.ravel()] = found
+        for each in fields(PixelMoments):
+            found = [getattr(part, each.name) for part in parts]
+            whole[each.name] = np.zeros((self.evidence.sensor.n_pixels, *found[0].shape[1:]))
+            for pixels, values in zip(self._pixels, found, strict=True):
+                if values.any():
+                    whole[each.name][pixels] = values
         return PixelMoments(**whole)
 
     def moments_without(self, b: int) -> PixelMoments:
@@ -79,10 +82,16 @@ class Surroundings:
     def _codes_of(self, b: int, tap: int) -> PixelCodes:
         """Return what codes the pixels of a block's tap give."""
         if (b, tap) not in self._codes:
-            of_tap, seen = self.evidence.sensor.tap == tap, self.evidence.sums[b].sigma_dn
-            about = (self.means[b][of_tap], self.variance[b][of_tap], seen[of_tap])
-            self._codes[b, tap] = PixelCodes.of(*about, self.n_codes - 1)
+            each = (self.means[b], self.variance[b], self.evidence.sums[b].sigma_dn)
+            means, variance, seen = (values.ravel()[self._pixels[tap]] for values in each)
+            self._codes[b, tap] = PixelCodes.of(means, variance, seen, self.n_codes - 1)
         return self._codes[b, tap]
+
+    @cached_property
+    def _pixels(self) -> list[NDArray[np.intp]]:
+        """Which pixels each tap reads, flat."""
+        tap = self.evidence.sensor.tap.ravel()
+        return [np.flatnonzero(tap == k) for k in range(self.evidence.sensor.n_taps)]
 
     @cached_property
     def _codes(self) -> dict[tuple[int, int], PixelCodes]:
