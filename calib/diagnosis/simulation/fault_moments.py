@@ -46,7 +46,7 @@ LIMITS = Limits(
 """Those by which a recording's samples are told apart."""
 KINDS = 2 + 2 * FLIPS
 """Kinds of samples that stand out: above, below, and bits that were raised and lowered."""
-MOST_KEPT = 1 << 16
+MOST_KEPT = 1 << 15
 """Chances of so many codes, of all nodes, are kept for the next faults; more are told anew."""
 
 

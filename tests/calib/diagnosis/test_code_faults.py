@@ -1,6 +1,7 @@
 """What faults of codes do, told by the codes' chances, against samples that are drawn."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,14 +9,18 @@ from numpy.random import default_rng
 from scipy.stats import chi2
 
 from calib.diagnosis.diagnose import examine
+from calib.diagnosis.naming import signatures
 from calib.diagnosis.naming.changes import change_of
 from calib.diagnosis.naming.faulty_tap import faulty_tap
+from calib.diagnosis.naming.shape import Shape
 from calib.diagnosis.naming.told_shapes import suspect_bits, told_shapes
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.fault_moments import PixelCodes
 from calib.diagnosis.simulation.fitted_responder import responder_of
+from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.gather import block_sums
 from calib.forward.code_fault import CodeFault
+from calib.forward.departure import Departure
 from calib.forward.effect import Effect
 from calib.forward.effects.black_clip import BlackClip
 from calib.forward.effects.exposure_offset import ExposureOffset
@@ -91,6 +96,26 @@ def test_codes_are_told_about_own_means_whatever_else_moves_these(fault: StuckBi
     # chance, by sqrt(1 + 2.7 R / sqrt(4 n)) of n codes that are compared, below 3 here.
     left[-3] /= 3.0
     assert np.abs(left).max() < 5.0
+
+
+def test_a_fault_is_taken_once_and_once_more_where_somebody_asks_how_it_grows(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rng = default_rng()
+    evidence = recorded(plain_model(48), plan(rng, 20), rng)
+    taken: list[tuple[Departure, ...]] = []
+
+    def counted(effects: tuple[Departure, ...], *rest: Any, **more: Any) -> Change:
+        taken.append(effects)
+        return change_of(effects, *rest, **more)
+
+    monkeypatch.setattr(signatures, "change_of", counted)
+    shape = Shape(StuckBit(bit=4, value=1), (("probability", 0.1, 0.0),), two_sided=False)
+    one = signatures.signature(shape, evidence, responder_of(evidence))
+    assert one is not None
+    assert taken == [(shape.at(1.0),)]
+    assert one.power == replace(one, strength=1.0).power
+    assert taken == [(shape.at(1.0),), (shape.at(1.2),)]
 
 
 def test_a_bit_that_sticks_beside_a_stop_leaves_of_the_noise_what_is_told() -> None:
