@@ -15,21 +15,26 @@ def scatter_products(
     """Return squares, fourth powers, and products with columns, lines, rows and partners.
 
     Line n is sum_i B_ni r_i; the sum of products of lines d apart is sum_ij G_dij r_i r_j, with
-    G_d the sum over n of B_ni B_(n+d)j. Shapes are those of `ResidualProducts`.
+    G_d the sum over n of B_ni B_(n+d)j. Shapes are those of `ResidualProducts`, with a first axis
+    of blocks.
 
     Args:
-        few: The few lines r, (k, n_rows, n_columns).
+        few: The few lines r of each block, (n_blocks, k, n_rows, n_columns).
         gram: G, (1 + lags, k, k).
         times: For how many lines each stands in fourth powers, (k,).
         partner: The column with which each is paired, (n_partners, n_columns), -1 for none.
     """
-    k, n_rows, n_columns = few.shape
-    shape = (n_rows, n_columns)
-    squares, fourths, rows = np.zeros((3, *shape))
-    columns, lines = np.zeros((COLUMN_LAGS, *shape)), np.zeros((len(gram) - 1, *shape))
-    partners = np.zeros((len(partner), *shape))
-    along = np.tensordot(gram, few, 1).reshape(len(gram), k, *shape)
-    _add(few, along, times, partner, squares, fourths, columns, lines, rows, partners)
+    n_blocks, k, *shape = few.shape
+    squares, fourths, rows = np.zeros((3, n_blocks, *shape))
+    columns = np.zeros((n_blocks, COLUMN_LAGS, *shape))
+    lines = np.zeros((n_blocks, len(gram) - 1, *shape))
+    partners = np.zeros((n_blocks, len(partner), *shape))
+    for b, own in enumerate(few):
+        along = np.dot(gram.reshape(-1, k), own.reshape(k, -1)).reshape(len(gram), k, *shape)
+        _add(
+            own, along, times, partner, squares[b], fourths[b], columns[b], lines[b], rows[b],
+            partners[b],
+        )  # fmt: skip
     return squares, fourths, columns, lines, rows, partners
 
 

@@ -19,6 +19,8 @@ Floats = NDArray[np.float64]
 
 STEADY = 1e-3
 """Lines that differ by less than this part of the noise are alike."""
+TOGETHER = 1 << 18
+"""Blocks are looked at together up to so many samples: more leave the caches."""
 
 
 def mean_change(sampled: Sequence[SampledLines]) -> tuple[Floats, Floats]:
@@ -60,47 +62,67 @@ def scatter_change(
     Returns:
         (n_blocks, n_pooled) and (n_blocks, n_rare).
     """
-    where = places(sensor)
+    where, sigma = places(sensor), np.sqrt(variance)
     moved = np.zeros((len(sampled), max(s.stop for s in where.values())))
     rare = np.zeros((len(sampled), len(RARE)))
-    for b, each in enumerate(sampled):
-        sigma = np.sqrt(variance[b])
-        if _is_steady(each, sigma):
-            continue
-        n = len(each.between)
-        products, rare[b] = _products(each, sigma, sensor)
-        moved[b] = pooled(products, n, variance[b], sensor, counts).vector()
-        moved[b, where["kurtosis"]] -= 1.0  # of no noise at all
-        rare[b] /= rare_trials(n, sensor.n_pixels)
+    some = [b for b, each in enumerate(sampled) if not _is_steady(each, sigma[b])]
+    for which in _alike(some, sampled):
+        n = len(sampled[which[0]].between)
+        products, counted = _products([sampled[b] for b in which], sigma[which], sensor)
+        moved[which] = pooled(products, n, variance[which], sensor, counts).vector()
+        rare[which] = counted / rare_trials(n, sensor.n_pixels)
+    moved[some, where["kurtosis"]] -= 1.0  # of no noise at all
     return moved, rare
+
+
+def _alike(blocks: Sequence[int], sampled: Sequence[SampledLines]) -> list[list[int]]:
+    """Return the blocks by how many lines they have, and not too many together."""
+    found: dict[tuple[int, ...], list[list[int]]] = {}
+    for b in blocks:
+        groups = found.setdefault(sampled[b].between.shape, [[]])
+        if (len(groups[-1]) + 1) * sampled[b].change.size > TOGETHER and groups[-1]:
+            groups.append([])
+        groups[-1].append(b)
+    return [group for groups in found.values() for group in groups]
 
 
 def _is_steady(each: SampledLines, sigma: Floats) -> bool:
     return bool(np.ptp(each.change, axis=0).max() < STEADY * sigma.min())
 
 
-def _products(each: SampledLines, sigma: Floats, sensor: Sensor) -> tuple[ResidualProducts, Floats]:
-    """Return sums of products over all lines of a block, and what is counted, (n_rare,)."""
-    n, shape = len(each.between), (sensor.n_rows, sensor.n_columns)
-    r = (each.change - each.weights @ each.change).reshape(-1, *shape)
-    means = np.zeros((len(r), sensor.n_rows, sensor.n_taps))
+def _products(
+    blocks: Sequence[SampledLines], sigma: Floats, sensor: Sensor
+) -> tuple[ResidualProducts, Floats]:
+    """Return sums of products over all lines of blocks that have as many lines as each other.
+
+    Args:
+        blocks: Lines of each.
+        sigma: Noise of each pixel, DN, (n_blocks, n_rows, n_columns).
+        sensor: The sensor.
+
+    Returns:
+        The sums, with a first axis of blocks, and what is counted, (n_blocks, n_rare).
+    """
+    between, weights = blocks[0].between, blocks[0].weights
+    n, shape, noise = len(between), (sensor.n_rows, sensor.n_columns), sigma[:, None]
+    r = np.stack([(x.change - x.weights @ x.change).reshape(-1, *shape) for x in blocks])
+    means = np.zeros((*r.shape[:2], sensor.n_rows, sensor.n_taps))
     for tap in range(sensor.n_taps):
         of_tap = sensor.tap == tap
         size = np.maximum(tap_sizes(sensor.tap, sensor.n_taps)[:, tap], 1.0)
         means[..., tap] = np.where(of_tap, r, 0.0).sum(axis=-1) / size
-    r = r - np.take_along_axis(means, np.broadcast_to(sensor.tap, r.shape), axis=2)
-    out = np.abs(r) > CUT_SIGMA * sigma + 1.0
-    rare = _counted(np.where(out, r, 0.0) / sigma, each.weights * n)
-    r = np.where(out, 0.0, r)
-    b = each.between
-    gram = np.stack([b[: n - k].T @ b[k:] for k in range(LINE_LAGS + 1)])
+    r = r - np.take_along_axis(means, np.broadcast_to(sensor.tap, r.shape), axis=3)
+    out = np.abs(r) > CUT_SIGMA * noise + 1.0
+    far = np.where(out, r, 0.0) / noise
+    rare = np.stack([_counted(each, weights * n) for each in far])
+    gram = np.stack([between[: n - k].T @ between[k:] for k in range(LINE_LAGS + 1)])
     squares, fourths, columns, lines, rows, partners = scatter_products(
-        r, gram, each.weights * n, sensor.partner
+        np.where(out, 0.0, r), gram, weights * n, sensor.partner
     )
-    fourths = 6.0 * sigma**2 * squares + fourths
     found = ResidualProducts(
-        np.zeros(shape), squares, fourths, columns, rows, lines, partners,
-        np.tensordot(each.between, means, 1), np.zeros(shape, np.int64),
+        np.zeros_like(sigma), squares, 6.0 * sigma**2 * squares + fourths, columns, rows, lines,
+        partners, np.tensordot(means, between, (1, 1)).transpose(0, 3, 1, 2),
+        np.zeros(sigma.shape, np.int64),
     )  # fmt: skip
     return found, rare
 

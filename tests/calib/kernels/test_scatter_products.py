@@ -7,10 +7,12 @@ from calib.kernels.scatter_products import scatter_products
 def test_products_are_those_of_all_lines_made_in_full() -> None:
     rng = np.random.default_rng()
     between, few = rng.normal(0.0, 0.5, (30, 4)), rng.normal(0.0, 2.0, (4, 3, 12))
+    # Of two blocks, one does not come into the other.
     partner = np.array([[11 - c if c < 6 else -1 for c in range(12)]])
     gram = np.stack([between[: 30 - d].T @ between[d:] for d in range(LINE_LAGS + 1)])
     times = rng.uniform(1.0, 9.0, 4)
-    found = scatter_products(few, gram, times, partner)
+    both = scatter_products(np.stack([np.ones_like(few), few]), gram, times, partner)
+    found = [each[1] for each in both]
     lines = np.tensordot(between, few, 1)
     columns = np.zeros((4, 3, 12))
     for d in range(1, 5):
