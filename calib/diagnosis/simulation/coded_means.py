@@ -22,6 +22,8 @@ SMOOTH_NODES = 8
 """As many do where nothing is rounded."""
 ROUNDED_DN = 0.5
 """Noise beyond this averages rounding out of a mean: exp(-2 pi^2 std^2) of it is left."""
+TOGETHER = 1 << 18
+"""Samples of blocks that go together: more leave the caches."""
 
 
 def moved_by_codes(chain: FittedChain, effects: Sequence[Effect], moved: Floats) -> Floats:
@@ -49,39 +51,55 @@ def moved_by_codes(chain: FittedChain, effects: Sequence[Effect], moved: Floats)
 def _moved(chain: FittedChain, effects: Sequence[Effect], moved: Floats) -> Floats:
     mean = chain.baseline.mean_dn.reshape(moved.shape) + moved
     variance = chain.baseline.variance_dn2.reshape(moved.shape)
-    first = [chain.table.at(b, np.zeros(1)) for b in range(len(mean))]
-    return np.stack([
-        coded_means(chain, effects, at, *of_block)
-        for at, *of_block in zip(first, mean, variance, strict=True)
-    ])  # fmt: skip
+    found = np.empty_like(mean)
+    for which in _together(effects, variance):
+        at = chain.table.at(which[0], np.zeros(1))
+        found[which] = coded_means(chain, effects, at, mean[which], variance[which])
+    return found
+
+
+def _together(effects: Sequence[Effect], variance: Floats) -> list[list[int]]:
+    """Return blocks whose lines can go together: that are all rounded or none, if effects allow."""
+    most = max(TOGETHER // (NODES * variance.shape[1]), 1)
+    if not all(e.by_signal for e in effects if e.stage >= Stage.CODES):
+        most = 1
+    rounded = _std(variance).min(axis=1) <= ROUNDED_DN
+    kinds = [np.flatnonzero(rounded).tolist(), np.flatnonzero(~rounded).tolist()]
+    return [kind[k : k + most] for kind in kinds for k in range(0, len(kind), most)]
+
+
+def _std(variance: Floats) -> Floats:
+    """Return the noise of samples before they are rounded, DN."""
+    return np.sqrt(np.maximum(variance - 1.0 / 12.0, 1e-4))
 
 
 def coded_means(
     chain: FittedChain, effects: Sequence[Effect], at: Conditions, mean: Floats, variance: Floats
 ) -> Floats:
-    """Return by how much `effects` of codes move the means of pixels, DN, (n_pixels,).
+    """Return by how much `effects` of codes move the means of pixels, DN, (..., n_pixels).
 
     Args:
         chain: Of the links.
         effects: Those that act on codes count.
-        at: Conditions of the block.
-        mean: Of each pixel before the conversion, DN, (n_pixels,).
+        at: Conditions of the block; of several together, any one's.
+        mean: Of each pixel before the conversion, DN, (..., n_pixels).
         variance: Of its samples, rounding included, likewise.
     """
     coded = [e for e in effects if e.stage >= Stage.CODES]
-    std = np.sqrt(np.maximum(variance - 1.0 / 12.0, 1e-4))
+    std = _std(variance)
     adc = Adc(chain.sensor.camera.bit_depth)
     smooth = std.min() > ROUNDED_DN and all(place_of(e) < place_of(adc) for e in coded)
     n = SMOOTH_NODES if smooth else NODES
     nodes = ndtri((np.arange(n) + 0.5) / n)
-    lines = (mean + nodes[:, None] * std).reshape(n, *chain.sensor.sample)
-    at = replace(at, line_times_s=np.full(n, float(at.line_times_s[0])))
+    lines = mean + nodes.reshape(-1, *(1,) * mean.ndim) * std
+    lines = lines.reshape(-1, *chain.sensor.sample)
+    at = replace(at, line_times_s=np.full(len(lines), float(at.line_times_s[0])))
     if smooth:
         top = float(chain.sensor.camera.full_scale_dn)
         moved, plain = (np.clip(_run(links, lines, at), 0.0, top) for links in (coded, ()))
     else:
         moved, plain = (_run(links, lines, at) for links in ((*coded, adc), (adc,)))
-    return np.asarray((moved - plain).mean(axis=0).ravel())
+    return np.asarray((moved - plain).reshape(n, *mean.shape).mean(axis=0))
 
 
 def _run(links: Sequence[Effect], lines: Floats, at: Conditions) -> Floats:

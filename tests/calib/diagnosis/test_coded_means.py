@@ -1,9 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 from numpy.random import default_rng
 from scipy.stats import norm
 
 from calib.diagnosis.simulation.chain_run import FittedChain
-from calib.diagnosis.simulation.coded_means import NODES, coded_means
+from calib.diagnosis.simulation.coded_means import NODES, coded_means, moved_by_codes
 from calib.forward.effects.adc_inl import AdcInl
 from calib.forward.effects.black_clip import BlackClip
 from calib.forward.effects.stuck_bit import StuckBit
@@ -54,3 +56,20 @@ def test_a_smooth_error_moves_means_by_itself_averaged_over_the_noise() -> None:
     # Quantiles of equal weight have a variance that is short by a share of about 1 / n.
     expected = 2.0 * np.sin(x) * np.exp(-(spread**2) / 2.0)
     np.testing.assert_allclose(moved, expected, atol=2.0 * spread**2 / 2.0)
+
+
+def test_blocks_that_go_together_are_moved_as_each_alone() -> None:
+    chain, rng = fitted_chain(), default_rng()
+    moved = rng.normal(0.0, 5.0, chain.baseline.mean_dn[:, 0].shape)
+    variance = np.array(chain.baseline.variance_dn2)
+    # Noise that averages rounding out, and noise that does not.
+    variance[::2] = 0.3
+    chain = replace(chain, baseline=replace(chain.baseline, variance_dn2=variance))
+    for effect in (StuckBit(1.0, 3, 1), AdcInl(0.0, 2.0, 0.0)):
+        alone = [
+            coded_means(chain, (effect,), chain.table.at(b, np.zeros(1)), mean + more, v)
+            for b, (mean, more, v) in enumerate(
+                zip(chain.baseline.mean_dn[:, 0], moved, variance[:, 0], strict=True)
+            )
+        ]
+        np.testing.assert_array_equal(moved_by_codes(chain, (effect,), moved), np.stack(alone))
