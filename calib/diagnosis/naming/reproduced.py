@@ -43,9 +43,8 @@ def reproduced(
     first = (evidence.baseline.mean_dn - evidence.baseline.offset_dn).reshape(one.means.shape)
     means = one.means
     if not exact:
-        added = (_of_quiet(each, evidence, sure_dn) for each in (one, other))
-        signal = first + moved_dn
-        means = sure_dn + _shrunk(*(_along_profile(each, signal) for each in added))
+        added = np.stack([_of_quiet(each, evidence, sure_dn) for each in (one, other)])
+        means = sure_dn + _shrunk(*_along_profile(added, first + moved_dn))
     white = [evidence.pooled.over_std(c.pooled) for c in (one, other)]
     pooled = half.pooled.copy()
     for where in evidence.pooled.places.values():
@@ -67,28 +66,33 @@ def _of_quiet(change: Change, evidence: Evidence, sure_dn: Floats) -> Floats:
 
 
 def _along_profile(means: Floats, signal: Floats) -> Floats:
-    """Return each block's means fitted by a function of the block's own profile of signal.
+    """Return each block's means of some draws fitted by functions of its own profile of signal.
 
     Of hats between knots: straight over a flat's narrow profile, and over each of `PIECES` pieces
     of the recording's range in a scene, where a bend may set in within the block.
+
+    Args:
+        means: Of all draws, (n_draws, n_blocks, n_pixels).
+        signal: What they all are functions of, (n_blocks, n_pixels).
     """
     piece = max(float(np.ptp(signal)), 1e-12) / PIECES
-    return np.stack([_along(m, s, piece) for m, s in zip(means, signal, strict=True)])
+    along = [_along(means[:, b], own, piece) for b, own in enumerate(signal)]
+    return np.stack(along, axis=1)
 
 
 def _along(means: Floats, signal: Floats, piece: float) -> Floats:
-    """Return one block's means, (n_pixels,), fitted by hats of a width of about `piece`."""
+    """Return one block's means, (n_draws, n_pixels), fitted by hats as wide as about `piece`."""
     low, high = (float(edge) for edge in np.quantile(signal, EDGES))
     if high - low <= 1e-6 * piece:
-        return np.full_like(means, means.mean())
+        return np.broadcast_to(means.mean(axis=1, keepdims=True), means.shape)
     knots = np.linspace(low, high, 2 + int((high - low) / piece))
     at = (signal - low) / (knots[1] - knots[0])
     left = np.clip(np.floor(at), 0, len(knots) - 2).astype(np.intp)
-    share, pixels = at - left, np.arange(len(means))
-    hats = np.zeros((len(means), len(knots)))
+    share, pixels = at - left, np.arange(len(signal))
+    hats = np.zeros((len(signal), len(knots)))
     hats[pixels, left] = 1.0 - share
     hats[pixels, left + 1] = share
-    return np.asarray(hats @ np.linalg.lstsq(hats, means)[0])
+    return np.asarray((hats @ np.linalg.lstsq(hats, means.T)[0]).T)
 
 
 def _share(one: Floats, other: Floats) -> float:
