@@ -27,6 +27,7 @@ from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.common_noise import CommonNoise
 from calib.diagnosis.statistics.counts import Counts
+from calib.diagnosis.statistics.further_tones import FurtherTone, further_tones
 from calib.diagnosis.statistics.tones import Peak, find_peaks
 
 Floats = NDArray[np.float64]
@@ -158,8 +159,7 @@ class Evidence:
         """Return the evidence of the other blocks, statistics of all blocks together left out."""
         kept = np.ones(self.n_blocks, bool)
         kept[blocks] = False
-        usable = self.baseline.usable & kept[:, None, None]
-        baseline = replace(self.baseline, usable=usable)
+        baseline = replace(self.baseline, usable=self.baseline.usable & kept[:, None, None])
         return replace(
             self, baseline=baseline, kept=kept, whole=None, known_peaks=self.peaks, of_all=self
         )
@@ -172,9 +172,13 @@ class Evidence:
     @cached_property
     def peaks(self) -> tuple[Peak, ...]:
         """Tones that stand out of the spectra."""
-        if self.known_peaks is not None:
-            return self.known_peaks
-        return find_peaks(self.sums, self.signal_dn)
+        known = self.known_peaks
+        return find_peaks(self.sums, self.signal_dn) if known is None else known
+
+    @cached_property
+    def further_tones(self) -> tuple[FurtherTone, ...]:
+        """What goes round in the lines' means beside the peaks."""
+        return further_tones(self.sums, self.sensor, self.signal_dn, self.peaks)
 
     @cached_property
     def _tone_scale(self) -> ToneScale:
@@ -193,5 +197,4 @@ class Evidence:
 
     @cached_property
     def _misfits(self) -> PixelMisfits:
-        space = self.space if self.whole is None else self.whole
-        return PixelMisfits.of(space, self.table.exposure_us)
+        return PixelMisfits.of(self.whole or self.space, self.table.exposure_us)

@@ -9,6 +9,7 @@ from scipy.stats import chi2, norm
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.standing_out import N_STEPS
 from calib.diagnosis.naming.model import Model
+from calib.forward.effects.lamp_flicker import LampFlicker
 
 Floats = NDArray[np.float64]
 
@@ -16,6 +17,9 @@ CERTAIN_SIGMA = 5.0
 """A remainder beyond this, all ways of looking counted, is not chance."""
 IMPERFECT_SHARE = 0.01
 """Of the deviance explained: signatures are not exact, and leave this much behind."""
+
+CLAIMED = 0.5
+"""Of a peak: a tone that leaves less of it is what it comes from, steady or not."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +54,12 @@ class Look:
 
 def looks_at(model: Model, evidence: Evidence) -> tuple[Look, ...]:
     """Return the remainder of a model in all ways of looking."""
-    return (*_means(model, evidence), *_pooled(model, evidence), *_rest(model, evidence))
+    return (
+        *_means(model, evidence),
+        *_pooled(model, evidence),
+        *_rest(model, evidence),
+        *_tones(model, evidence),
+    )
 
 
 def _means(model: Model, evidence: Evidence) -> list[Look]:
@@ -138,6 +147,28 @@ def _rest(model: Model, evidence: Evidence) -> list[Look]:
         Look("mean", ("column",), steps, 2.0 * N_STEPS, flat),
         Look("histogram", ("code",), codes, float(evidence.code_counts.n_numbers), flat),
     ]
+
+
+def _tones(model: Model, evidence: Evidence) -> list[Look]:
+    """Return the peaks of the spectra that no tone claims, and what goes round beside them."""
+    where, n = evidence.whitening.places["tones"], evidence.n_blocks
+    seen, left = (
+        point.rest[where].reshape(n, -1).T ** 2 for point in (model.first, model.residual)
+    )
+    # Of a tone that is unsteady, or two that beat, some blocks have more than others.
+    looks = [
+        Look("spectrum", ("line",), float(energy.sum()), float(n), energy)
+        for energy, whole in zip(left, seen, strict=True)
+        if energy.sum() > CLAIMED * whole.sum()
+    ]
+    # Light that flickers in another shape than a sine flickers all the same.
+    flickers = any(isinstance(member.effect, LampFlicker) for member in model.members)
+    further = [f for f in evidence.further_tones if not (flickers and f.goes_with_light)]
+    if further:
+        deviance = float(sum(tone.deviance for tone in further))
+        power = np.sum([tone.power for tone in further], axis=0)
+        looks.append(Look("spectrum", ("line",), deviance, float(len(further)), power))
+    return looks
 
 
 def worst(model: Model, evidence: Evidence) -> tuple[Look, float]:

@@ -137,7 +137,7 @@ def _highest(stacked: Floats, weights: Floats) -> list[tuple[int, int, float]]:
         k, along = np.unravel_index(int(np.argmax(part)), part.shape)
         column = stacked[:, first + along]
         about = 0.0 if first else smooth_level(column[:n], weights, int(k), SLOW)
-        level_here = max(_level(column, weights), about, 1.0)
+        level_here = max(white_level(column, weights), about, 1.0)
         height = float(part[k, along]) / level_here
         chance = log_chance(height, weights) + np.log(part.size)
         if -2.0 * chance > SIGNIFICANT:
@@ -145,7 +145,7 @@ def _highest(stacked: Floats, weights: Floats) -> list[tuple[int, int, float]]:
     return found
 
 
-def _level(column: Floats, weights: Floats) -> float:
+def white_level(column: Floats, weights: Floats) -> float:
     """Return by how much the median of a column's stacked powers exceeds that of white noise.
 
     A sum of weighted exponential variables has nearly gamma's median (Wilson and Hilferty, 1931).
