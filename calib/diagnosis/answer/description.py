@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.answer.finding import Where
 from calib.diagnosis.answer.locate import columns_of, where
+from calib.diagnosis.answer.rhythm import rhythm_of
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.remainder import Look
@@ -53,6 +54,8 @@ def describe(look: Look, model: Model, evidence: Evidence) -> Where:
     """Return where a remainder lives and what it follows, in words, too."""
     columns = (0, evidence.sensor.n_columns - 1)
     place = where(look.statistic, look.depends_on, look.blocks, columns, evidence)
+    if look.statistic == "spectrum":
+        return replace(place, text=place.text + rhythm_of(evidence))
     if look.statistic != "mean" or evidence.n_blocks < SMOOTH_DEGREE:
         return place
     pattern = first_pattern(model.residual.means, evidence)

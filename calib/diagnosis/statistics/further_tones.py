@@ -7,7 +7,7 @@ common; what stands out of the rest is the next one.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,12 +41,14 @@ class FurtherTone:
         cycles_per_line: Its frequency, 0 to 0.5.
         power: Of each block, (n_blocks,), in units of the noise's at its frequency; 0 of a block
             that is not looked at.
+        square_dn2: Its mean square, DN^2, on average over the blocks that are looked at.
         deviance: By which it stands out of what the highest of all places has by chance.
         goes_with_light: Whether it is more like a share of the signal than like a fixed amplitude.
     """
 
     cycles_per_line: float
     power: Floats
+    square_dn2: float
     deviance: float
     goes_with_light: bool
 
@@ -89,7 +91,7 @@ def tones_beside(
         taken.append(_refined(_without(values, taken), tone.cycles_per_line))
         power = np.zeros(len(lines))
         power[used] = tone.power
-        found.append(FurtherTone(taken[-1], power, tone.deviance, tone.goes_with_light))
+        found.append(replace(tone, cycles_per_line=taken[-1], power=power))
     return tuple(found)
 
 
@@ -141,7 +143,9 @@ def _highest(values: Floats, light: Floats, taken: Sequence[float]) -> FurtherTo
         return None
     here, chance = power[:, k], level * noise[:, 0]
     lit = _misfit(here, chance, light) < _misfit(here, chance, np.ones(len(light)))
-    return FurtherTone(0.5 * k / len(power[0]), here / chance, deviance, lit)
+    # A sine of amplitude a has the power (a n / 2)^2.
+    square = max(2.0 * float((here - chance).mean()) / values.shape[1] ** 2, 0.0)
+    return FurtherTone(0.5 * k / len(power[0]), here / chance, square, deviance, lit)
 
 
 def _misfit(power: Floats, chance: Floats, size: Floats) -> float:

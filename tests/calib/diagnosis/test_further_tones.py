@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.random import Generator, default_rng
 
+from calib.diagnosis.answer.rhythm import period_of, rhythm_of
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.model import Member
@@ -56,6 +57,13 @@ def test_a_patterns_overtones_are_told_and_what_they_go_with(lit: bool) -> None:
         nearest = np.abs(0.5 - np.array([3.0, 5.0, 7.0]) / 16.0 - tone.cycles_per_line).min()
         assert nearest < 0.5 / LINES
         assert tone.goes_with_light is lit
+    assert period_of([tone.cycles_per_line for tone in found[:3]], LINES) == 16
+    # Of a pattern of 1, 2 / 16^2 / sin^2(pi k / 16) times 2^2, folded, is in each of its tones.
+    share = 2.0 * (2.0 / 16.0 / np.sin(np.pi * 3.0 / 16.0)) ** 2
+    square = share * float((size**2).mean())
+    # An amplitude a scatters by sqrt(2 / n), a^2 / 2 by a times that; overtones leak.
+    std = np.sqrt(2.0 / LINES) * np.sqrt(2.0 * square / len(size))
+    assert abs(found[0].square_dn2 - square) < 0.1 * square + 6.0 * std
 
 
 def turning(lit: bool) -> Evidence:
@@ -93,6 +101,7 @@ def rhythm(evidence: Evidence, effect: Departure | None = None) -> list[Look]:
 @pytest.mark.parametrize("lit", [False, True])
 def test_overtones_stay_unexplained_but_of_light_that_flickers(lit: bool) -> None:
     evidence = turning(lit)
+    assert "repeats after 16 lines" in rhythm_of(evidence)
     unclaimed, overtones = rhythm(evidence)
     assert unclaimed.freedom == evidence.n_blocks
     assert min(unclaimed.sigma(0.0, 20), overtones.sigma(0.0, 20)) > CERTAIN_SIGMA
