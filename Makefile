@@ -4,7 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 PEERS := .venv-peers
 # Tests side by side; one of the workers has all that need the one simulated camera. 0: one by one.
-WORKERS ?= 2
+# Three for two cores: lines that time out, and services that start, are waited for a third of the time.
+WORKERS ?= 3
 # Options and rows of the benchmarks, e.g. make bench BENCH="--quick sums fit"
 BENCH ?=
 # Writing a compiled loop once per machine, not once per process.
@@ -29,7 +30,7 @@ $(VENV)/ready: requirements.lock tests/sample-data.lock pyproject.toml docker/in
 demo: setup
 	$(BIN)/darkflat demo --out demo
 
-# Each worker has a core: the threads that OpenBLAS would start beside it wait for one, spinning.
+# No core is left for the threads that OpenBLAS would start in each worker: they would only spin.
 test: setup
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS)
 
