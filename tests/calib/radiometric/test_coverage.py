@@ -140,7 +140,8 @@ CASES = [
 def test_uncertainties_hold_under_other_conditions(
     bench: Bench, pixels: bool, cautious: float
 ) -> None:
-    cover(bench, np.random.default_rng(), 40 if pixels else 80, pixels=pixels).check(0.1, cautious)
+    # 40 tell a standard uncertainty that is 55 % off; `make soak` has 1,000, for 10 %.
+    cover(bench, np.random.default_rng(), 40, pixels=pixels).check(0.1, cautious)
 
 
 @pytest.mark.soak
