@@ -73,10 +73,12 @@ class DarkCodes:
 
     def expected(self, changed: Map | None, at: Floats) -> Floats:
         """Return the samples expected by code, (n_codes,), with nuisances, (3,)."""
-        codes, chance = self._codes, self._chances(at)
+        codes = self._codes
         stored = codes if changed is None else np.clip(changed(codes), codes[0], codes[-1])
-        weight = self._share if changed is None else self._weights(chance @ stored)
-        counts = weight @ chance
+        weight = self._share
+        if changed is not None:
+            weight = self._weights(self._chances(at, lambda chance: chance @ stored))
+        counts = self._chances(at, lambda chance: weight @ chance)
         if changed is not None:
             to = (stored - codes[0]).astype(np.intp)
             counts = np.bincount(to, counts, len(codes)).astype(np.float64)
@@ -88,18 +90,15 @@ class DarkCodes:
     def _codes(self) -> Floats:
         return np.asarray(self.first + np.arange(len(self.seen)), np.float64)
 
-    def _chances(self, at: Floats) -> Floats:
-        """Return the chance of each code at each node, (n_nodes, n_codes)."""
+    def _chances(self, at: Floats, product: Map) -> Floats:
+        """Return a product of the chance of each code at each node, (n_nodes, n_codes).
+
+        Chances are a sum of terms, and straight in a grain: products of each take one look at it.
+        """
         step, share = divmod(float(at[0]), GRAIN)
-        low, high = self._series(int(step)), self._series(int(step) + 1)
+        low, high = (product(self._series(int(step) + k)) for k in (0, 1))
         share /= GRAIN
-        by_term = (1.0, *at[1:])
-        return np.asarray(
-            sum(
-                t * ((1.0 - share) * a + share * b)
-                for t, a, b in zip(by_term, low, high, strict=True)
-            )
-        )
+        return np.asarray(np.array([1.0, *at[1:]]) @ ((1.0 - share) * low + share * high))
 
     def _series(self, step: int) -> Floats:
         """Return the terms of the series, (3, n_nodes, n_codes), of so many grains of variance."""
