@@ -12,7 +12,7 @@ from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.gather import CUT_SIGMA
 from calib.diagnosis.statistics.pooled import pooled
 from calib.diagnosis.statistics.rare import RareEvents, rare_events, rare_trials
-from calib.diagnosis.statistics.repeats import repeated_lines
+from calib.diagnosis.statistics.repeats import repeated_in_blocks
 from calib.diagnosis.statistics.settled_mean import settled_mean
 from calib.kernels.residual_products import ResidualProducts, stacked_products
 
@@ -87,7 +87,7 @@ def drawn_of(lines: Floats, chain: FittedChain, *, coded: bool) -> Drawn:
     again = np.zeros((n_blocks, n), bool)
     if coded:
         lines = np.clip(np.floor(lines + 0.5), 0, sensor.camera.full_scale_dn)
-        again = np.stack([repeated_lines(each) for each in lines])
+        again = repeated_in_blocks(lines)
     kept = n - again.sum(axis=1)
     ratio = np.zeros((n_blocks, sensor.n_pixels))
     events = [RareEvents.none()] * n_blocks

@@ -13,6 +13,24 @@ LATEST = 2
 """A line is compared with so many before it."""
 
 
+def repeated_in_blocks(samples: NDArray[np.generic]) -> NDArray[np.bool_]:
+    """Return `repeated_lines` of blocks, (n_blocks, n_lines); most of them have none.
+
+    Args:
+        samples: (n_blocks, n_lines, n_rows, n_columns).
+    """
+    repeated = np.zeros(samples.shape[:2], bool)
+    middle = samples.shape[-1] // 2
+    may = np.zeros(len(samples), bool)
+    for half in (samples[..., :middle], samples[..., middle:]):
+        few = half.reshape(*samples.shape[:2], -1)[..., :FEWEST_PIXELS]
+        for late in range(1, LATEST + 1):
+            may |= (few[:, late:] == few[:, :-late]).all(axis=2).any(axis=1)
+    for b in np.flatnonzero(may):
+        repeated[b] = repeated_lines(samples[b])
+    return repeated
+
+
 def repeated_lines(samples: NDArray[np.generic]) -> NDArray[np.bool_]:
     """Return which lines, (n_lines,), repeat one shortly before, or half of it, code for code.
 

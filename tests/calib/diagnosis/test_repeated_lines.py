@@ -3,7 +3,7 @@ import numpy as np
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.gather import block_sums
 from calib.diagnosis.statistics.rare import RARE
-from calib.diagnosis.statistics.repeats import repeated_lines
+from calib.diagnosis.statistics.repeats import repeated_in_blocks, repeated_lines
 from calib.recording.header import CameraHeader
 
 CAMERA = CameraHeader(columns=64, bit_depth=12)
@@ -36,3 +36,14 @@ def test_halves_of_lines_and_pairs_of_lines_are_found() -> None:
     pair = noise(50, 2.0)
     pair[30:32] = pair[28:30]
     assert np.flatnonzero(repeated_lines(pair)).tolist() == [30, 31]
+
+
+def test_blocks_together_have_what_each_has_alone() -> None:
+    blocks = np.stack([noise(50, 2.0) for _ in range(4)])
+    blocks[1, 21, :, 32:] = blocks[1, 20, :, 32:]
+    blocks[3, 31] = blocks[3, 29]
+    # A few pixels that are alike by chance make no line of it.
+    blocks[2, 8, :, :10] = blocks[2, 7, :, :10]
+    found = repeated_in_blocks(blocks)
+    assert [np.flatnonzero(each).tolist() for each in found] == [[], [21], [], [31]]
+    np.testing.assert_array_equal(found, np.stack([repeated_lines(each) for each in blocks]))
