@@ -1,5 +1,6 @@
 """All statistics of a recording in one vector in which noise has unit size."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -84,9 +85,14 @@ class Whitening:
             rest.append(self.monitor.whitened(change.monitor))
         return Point(self.means.project(change.means), np.concatenate(rest))
 
-    def derivative(self, change: Change, about: Change) -> Point:
-        """Return the whitened derivative of statistics that move by `change` from `about` on."""
-        first, after = self.point(about), self.point(about + change * SMALL)
+    def derivatives(self, changes: Sequence[Change], about: Change) -> list[Point]:
+        """Return the whitened derivatives of statistics that move by `changes` from `about` on."""
+        first = self.point(about)
+        return [self._derivative(change, about, first) for change in changes]
+
+    def _derivative(self, change: Change, about: Change, first: Point) -> Point:
+        """Return the derivative where `first` is the point of `about`."""
+        after = self.point(about + change * SMALL)
         found = (after - first) * (1.0 / SMALL)
         if self.codes is not None:
             counts = np.maximum(np.abs(first.rest), np.abs(after.rest))

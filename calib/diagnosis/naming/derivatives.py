@@ -20,14 +20,34 @@ RELATIVE_STEP = 0.1
 """Of a derivative."""
 NEAR = 0.1
 """Relative to itself a parameter may move by so much before derivatives are taken anew."""
+FAINT = 3.0
+"""Standard deviations: an effect that changes less is not found."""
 
 
-def is_near(members: Sequence[Member], derived: Sequence[Member]) -> bool:
-    """Return whether the members are still what their derivatives were taken of."""
-    return bool(derived) and all(
-        abs(now.strength - then.strength) <= NEAR * abs(then.strength)
-        and all(abs(np.log(now.inner[name] / value)) <= NEAR for name, value in then.inner.items())
-        for now, then in zip(members, derived, strict=True)
+def which_moved(
+    members: Sequence[Member], derived: Sequence[Member], evidence: Evidence
+) -> list[int]:
+    """Return the members whose derivatives are to be taken anew: where one has moved, of all.
+
+    Of one that fades, its own: whatever factor it moves by, the others see nothing of it.
+    """
+    every = list(range(len(members)))
+    if not derived:
+        return every
+    moved = [k for k in every if not _is_near(members[k], derived[k])]
+    faint = all(_is_faint(each[k], evidence) for k in moved for each in (members, derived))
+    return moved if faint else every
+
+
+def _is_faint(member: Member, evidence: Evidence) -> bool:
+    """Return whether a strength changes less than chance does."""
+    (slope, *_), strength = member.directions, member.strength
+    return strength**2 * evidence.product(slope, slope) < FAINT**2
+
+
+def _is_near(now: Member, then: Member) -> bool:
+    return abs(now.strength - then.strength) <= NEAR * abs(then.strength) and all(
+        abs(np.log(now.inner[name] / value)) <= NEAR for name, value in then.inner.items()
     )
 
 
@@ -67,8 +87,8 @@ def differentiated(
     if not is_tone(member.effect):
         # A peak was chosen for its height: what it tells of slow courses is too much of them.
         found = [replace(each, tones=np.zeros_like(each.tones)) for each in found]
-    points = tuple(evidence.whitening.derivative(each, about) for each in found)
-    return replace(member, changes=tuple(found), directions=points)
+    points = evidence.whitening.derivatives(found, about)
+    return replace(member, changes=tuple(found), directions=tuple(points))
 
 
 def _by_strength(

@@ -122,10 +122,9 @@ def _points(model: Model, space: Evidence) -> tuple[Point, list[list[Point]], li
         return space.point(model.observed), [], []
     change: Change = model.change
     changes = [(*m.changes, *(each for each, _ in m.course)) for m in model.members]
-    directions = [
-        [space.whitening.derivative(each, change) for each in of_one] for of_one in changes
-    ]
-    shares = [space.whitening.derivative(contribution_change(m), change) for m in model.members]
+    directions = [space.whitening.derivatives(of_one, change) for of_one in changes]
+    whole = [contribution_change(m) for m in model.members]
+    shares = space.whitening.derivatives(whole, change)
     # Counts are whitened along a curve: a difference of counts is not that of their points.
     return space.point(model.observed) - space.point(change), directions, shares
 

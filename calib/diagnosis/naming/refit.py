@@ -11,7 +11,7 @@ from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
 from calib.diagnosis.naming.changes import change_of
 from calib.diagnosis.naming.courses import freed, with_courses
-from calib.diagnosis.naming.derivatives import differentiated, is_near
+from calib.diagnosis.naming.derivatives import differentiated, which_moved
 from calib.diagnosis.naming.laws import leaves_parameters
 from calib.diagnosis.naming.model import Member, Model, foreseen
 from calib.diagnosis.naming.rebase import rebased
@@ -46,19 +46,18 @@ def _fitted(model: Model, evidence: Evidence, responder: Responder) -> tuple[Mod
     for turn in range(STEPS):
         about = responder.about(baseline)
         plain = change_of(tuple(m.effect for m in members), evidence, about)
-        if not is_near(members, derived):
-            derived = members = tuple(
-                differentiated(k, members, plain, evidence, about) for k in range(len(members))
-            )
+        far = which_moved(members, derived, evidence)
+        found = [differentiated(k, members, plain, evidence, about) for k in far]
+        members = _with(found, far, members)
+        derived = _with(found, far, derived or members)
         members = with_courses(members, model.first - evidence.point(plain), evidence)
         change = plain + freed(members, plain)
         residual = model.first - evidence.point(change)
         steps, std = _solved(members, residual, evidence)
         members = _with_std(members, std)
         now = replace(model, members=members, change=change, residual=residual, baseline=baseline)
-        moving = _moving(members)
-        told = moving & (std > 0.0)
-        ahead = float(np.max(np.abs(steps[told] / std[told]), initial=0.0))
+        told = _moving(members) & (std > 0.0)
+        ahead = float(np.max(np.abs(reachable(steps, members)[told] / std[told]), initial=0.0))
         tried.append(Turn(now, ahead, misfit(now, evidence)))
         converged = ahead < LEAST_STEP and turn > 0
         if converged or stalled(tried):
@@ -68,6 +67,24 @@ def _fitted(model: Model, evidence: Evidence, responder: Responder) -> tuple[Mod
         missed = model.observed - change - foreseen(members, stepped)
         members, baseline = stepped, rebased(baseline, missed, evidence)
     return most_settled(tried, evidence.product(model.first, model.first)), False
+
+
+def _with(
+    found: Sequence[Member], far: Sequence[int], members: Sequence[Member]
+) -> tuple[Member, ...]:
+    """Return the members with those that were found in the places `far`."""
+    new = dict(zip(far, found, strict=True))
+    return tuple(new.get(k, member) for k, member in enumerate(members))
+
+
+def reachable(steps: Floats, members: Sequence[Member]) -> Floats:
+    """Return the steps as far as they can be gone: what has a sign is not less than nothing."""
+    found, start = steps.copy(), 0
+    for member in members:
+        if not member.signature.shape.two_sided:
+            found[start] = max(found[start], -member.strength)
+        start += len(member.directions)
+    return found
 
 
 def _moving(members: Sequence[Member]) -> NDArray[np.bool_]:
