@@ -15,8 +15,8 @@ from calib.diagnosis.answer.finding import Where
 from calib.diagnosis.answer.locate import columns_of, where
 from calib.diagnosis.answer.rhythm import rhythm_of
 from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.look import Look
 from calib.diagnosis.naming.model import Model
-from calib.diagnosis.naming.remainder import Look
 
 Floats = NDArray[np.float64]
 

@@ -1,13 +1,11 @@
 """What no effect explains: a remainder is looked at in several ways, and described."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.standing_out import N_STEPS
+from calib.diagnosis.naming.look import IMPERFECT_SHARE, Look
 from calib.diagnosis.naming.model import Model
 from calib.forward.effects.lamp_flicker import LampFlicker
 
@@ -15,41 +13,8 @@ Floats = NDArray[np.float64]
 
 CERTAIN_SIGMA = 5.0
 """A remainder beyond this, all ways of looking counted, is not chance."""
-IMPERFECT_SHARE = 0.01
-"""Of the deviance explained: signatures are not exact, and leave this much behind."""
-
 CLAIMED = 0.5
 """Of a peak: a tone that leaves less of it is what it comes from, steady or not."""
-
-
-@dataclass(frozen=True)
-class Look:
-    """One way of looking at a remainder.
-
-    Attributes:
-        statistic: In which it shows, as the answer calls it.
-        depends_on: What it follows.
-        deviance: Squared length.
-        freedom: What chance gives on average.
-        blocks: By how much each block contributes, (n_blocks,).
-    """
-
-    statistic: str
-    depends_on: tuple[str, ...]
-    deviance: float
-    freedom: float
-    blocks: Floats
-
-    def sigma(self, explained: float, looks: int) -> float:
-        """Return how far from chance it is, in standard deviations, all looks counted."""
-        deviance = self.deviance - IMPERFECT_SHARE * explained
-        # Of one signal and a dark nothing is left of the means, and nothing is to be judged.
-        if self.freedom <= 0 or deviance <= self.freedom:
-            return 0.0
-        log_p = float(chi2.logsf(deviance, self.freedom)) + float(np.log(looks))
-        if log_p < -600.0:
-            return float(np.sqrt(deviance - self.freedom))
-        return float(max(norm.isf(np.exp(min(log_p, -1e-9))), 0.0))
 
 
 def looks_at(model: Model, evidence: Evidence) -> tuple[Look, ...]:
@@ -74,7 +39,19 @@ def _means(model: Model, evidence: Evidence) -> list[Look]:
         Look("mean", ("column",), own, freedom, (residual**2).sum(axis=1)),
         _along("time", np.ones(n_pixels), shared, residual, evidence),
         _along("column", np.linspace(-1.0, 1.0, n_pixels), 0.0 * shared, residual, evidence),
+        *_between_taps(residual, evidence),
     ]
+
+
+def _between_taps(residual: Floats, evidence: Evidence) -> list[Look]:
+    """Return how far the means of taps are off against those of the taps before them."""
+    tap, none = evidence.sensor.tap.ravel(), np.zeros(evidence.n_blocks)
+    looks = []
+    for t in range(1, evidence.sensor.n_taps):
+        share = float((tap == t).sum()) / float((tap < t).sum())
+        contrast = np.where(tap == t, 1.0, np.where(tap < t, -share, 0.0))
+        looks.append(_along("tap", contrast, none, residual, evidence))
+    return looks
 
 
 def _along(

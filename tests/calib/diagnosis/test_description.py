@@ -55,6 +55,13 @@ def test_taps_that_part_with_the_temperature_are_told() -> None:
     assert "one level for each tap" in where.text
 
 
+def test_what_parts_the_taps_is_seen_where_no_pixel_shows_it() -> None:
+    # 225 in deviance are 3.5 standard deviations of what all 2,048 free means have of it.
+    temperature = clean().table.temperature_c
+    where = described(temperature - temperature.mean(), (-1.0) ** np.arange(COLUMNS), 15.0)
+    assert where.statistic == "mean"
+
+
 def test_a_single_column_without_rhyme_or_reason_follows_nothing() -> None:
     pattern = np.zeros(COLUMNS)
     pattern[40] = 1.0

@@ -8,7 +8,7 @@ import pytest
 from calib.diagnosis.baseline.requirements import check_can_be_diagnosed
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.fitted_evidence import evidence_of
-from calib.diagnosis.naming.remainder import Look
+from calib.diagnosis.naming.look import Look
 from calib.diagnosis.recorded.conditions_table import conditions_table
 from calib.diagnosis.recorded.limits import limits
 from calib.diagnosis.recorded.sensor import Sensor

@@ -9,8 +9,9 @@ from numpy.random import Generator, default_rng
 from calib.diagnosis.answer.rhythm import period_of, rhythm_of
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.known import beside
+from calib.diagnosis.naming.look import Look
 from calib.diagnosis.naming.model import Member
-from calib.diagnosis.naming.remainder import CERTAIN_SIGMA, Look, looks_at
+from calib.diagnosis.naming.remainder import CERTAIN_SIGMA, looks_at
 from calib.diagnosis.naming.shape import Shape
 from calib.diagnosis.naming.signatures import Signature
 from calib.diagnosis.statistics.further_tones import FurtherTone, tones_beside
