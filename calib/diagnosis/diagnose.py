@@ -17,12 +17,12 @@ from calib.diagnosis.given.parameter_off import ParameterOff
 from calib.diagnosis.given.size import check_size
 from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.heldout import HeldOutDeviances
-from calib.diagnosis.naming.looked_for import not_testable, not_visible, signatures_of
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.remainder import CERTAIN_SIGMA, looks_at, worst
 from calib.diagnosis.naming.search import as_found, find
-from calib.diagnosis.naming.signatures import Signature
 from calib.diagnosis.recorded.limits import limits
+from calib.diagnosis.signatures.looked_for import not_testable, not_visible, signatures_of
+from calib.diagnosis.signatures.signature import Signature
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.statistics.steps import steps
 from calib.diagnosis.words.in_words import in_words

@@ -9,7 +9,7 @@ from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.contribution import contribution
 from calib.diagnosis.naming.model import Member
 from calib.diagnosis.naming.scores import scores
-from calib.diagnosis.naming.signatures import retaken
+from calib.diagnosis.signatures.signature import retaken
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.departure import Departure
 from calib.forward.parameter import parameters_of

@@ -18,10 +18,10 @@ from calib.diagnosis.deciding.rivals import Rivals
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
-from calib.diagnosis.naming.changes import change_of
 from calib.diagnosis.naming.laws import DEGREE, laws
 from calib.diagnosis.naming.model import Member
-from calib.diagnosis.naming.template_error import temper
+from calib.diagnosis.signatures.changes import change_of
+from calib.diagnosis.signatures.template_error import temper
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.simulation.response import Responder
 

@@ -9,7 +9,7 @@ from calib.diagnosis.deciding.family import options
 from calib.diagnosis.deciding.plan_text import plan_of
 from calib.diagnosis.diagnose import Examination
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.shapes import departures
+from calib.diagnosis.shapes.of_effects import departures
 from calib.recording.header import RecordingHeader
 
 

@@ -14,9 +14,9 @@ from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.given_model import DIFFERS_SIGMA
 from calib.diagnosis.given.parameter_off import ParameterOff
-from calib.diagnosis.naming.changes import change_of
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.rebase import rebased
+from calib.diagnosis.signatures.changes import change_of
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.statistics.change import Change
 from calib.forward.departure import Departure

@@ -1,1 +1,1 @@
-"""Which effects there are: signatures, search, refit, held-out tests, and how sure a name is."""
+"""Which effects there are: search, refit, held-out tests, and how sure a name is."""

@@ -22,8 +22,8 @@ from calib.diagnosis.naming.laws import open_variable
 from calib.diagnosis.naming.model import Member, Model
 from calib.diagnosis.naming.refit import misfit, refitted
 from calib.diagnosis.naming.scores import Score, best_by_name, scores, sharpened
-from calib.diagnosis.naming.shape import Shape
-from calib.diagnosis.naming.signatures import Signature, beside_faults
+from calib.diagnosis.shapes.shape import Shape
+from calib.diagnosis.signatures.signature import Signature, beside_faults
 from calib.diagnosis.simulation.response import Responder
 from calib.forward.code_fault import CodeFault
 from calib.forward.departure import Variable

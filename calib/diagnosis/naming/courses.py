@@ -16,7 +16,7 @@ from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
 from calib.diagnosis.naming.laws import Laws, laws, leaves_parameters
 from calib.diagnosis.naming.model import Member
-from calib.diagnosis.naming.signatures import Signature
+from calib.diagnosis.signatures.signature import Signature
 from calib.diagnosis.simulation.sampled_lines import is_tone
 from calib.diagnosis.statistics.change import Change
 

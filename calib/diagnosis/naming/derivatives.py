@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.changes import change_of
 from calib.diagnosis.naming.model import Member
-from calib.diagnosis.naming.signatures import is_of_events
+from calib.diagnosis.signatures.changes import change_of
+from calib.diagnosis.signatures.signature import is_of_events
 from calib.diagnosis.simulation.fault_surroundings import Surroundings
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.sampled_lines import is_tone

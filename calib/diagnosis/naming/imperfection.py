@@ -21,7 +21,7 @@ from calib.diagnosis.naming.model import Model
 Floats = NDArray[np.float64]
 
 IMPERFECT = 0.002
-"""e^2: twice the square of the template error (see `calib.diagnosis.naming.template_error`).
+"""e^2: twice the square of the template error (see `calib.diagnosis.signatures.template_error`).
 
 As the variance of strengths it was held against 240 opened recordings of the proof: of 29 strengths
 fitted beside other effects, z had a root mean square of 2.07 without it, 1.00 with it, 1.20 with

@@ -8,9 +8,9 @@ from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.imperfection import left_by_others
 from calib.diagnosis.naming.model import Model
 from calib.diagnosis.naming.refit import misfit
-from calib.diagnosis.naming.shape import Shape
-from calib.diagnosis.naming.template_error import temper
 from calib.diagnosis.naming.unnamed import odds_of_none
+from calib.diagnosis.shapes.shape import Shape
+from calib.diagnosis.signatures.template_error import temper
 
 MOST_CANDIDATES = 3
 HELD = 0.995

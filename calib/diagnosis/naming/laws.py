@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.naming.pixel_laws import laws_of_pixels
-from calib.diagnosis.naming.signatures import Signature
+from calib.diagnosis.signatures.signature import Signature
 from calib.diagnosis.statistics.change import Change
 from calib.forward.departure import Variable
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.evidence.point import Point
-from calib.diagnosis.naming.signatures import Signature
+from calib.diagnosis.signatures.signature import Signature
 from calib.diagnosis.statistics.change import Change
 from calib.forward.departure import Departure
 

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
-from calib.diagnosis.naming.changes import change_of
 from calib.diagnosis.naming.courses import freed, with_courses
 from calib.diagnosis.naming.derivatives import differentiated, which_moved
 from calib.diagnosis.naming.laws import leaves_parameters
 from calib.diagnosis.naming.model import Member, Model, foreseen
 from calib.diagnosis.naming.rebase import rebased
 from calib.diagnosis.naming.settled import Turn, most_settled, stalled
+from calib.diagnosis.signatures.changes import change_of
 from calib.diagnosis.simulation.response import Responder
 
 Floats = NDArray[np.float64]

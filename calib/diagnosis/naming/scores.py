@@ -7,7 +7,7 @@ from math import log
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.evidence.projection import orthonormal, without
-from calib.diagnosis.naming.signatures import Signature, retaken
+from calib.diagnosis.signatures.signature import Signature, retaken
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.statistics.change import Change
 

@@ -11,7 +11,6 @@ from markupsafe import Markup
 
 from calib.diagnosis.answer.diagnosis import Diagnosis
 from calib.diagnosis.diagnose import Examination
-from calib.diagnosis.naming.shapes import departures
 from calib.diagnosis.report.compared import Compared
 from calib.diagnosis.report.finding import finding_text
 from calib.diagnosis.report.groups import groups_of, groups_of_sums
@@ -19,6 +18,7 @@ from calib.diagnosis.report.mathematics import mathematics
 from calib.diagnosis.report.panel import NARROW, Group, Panel
 from calib.diagnosis.report.radiance import CAPTION, radiance_panel
 from calib.diagnosis.report.remainder import remainder_panels, remainder_words, term_panel
+from calib.diagnosis.shapes.of_effects import departures
 from calib.diagnosis.words.verdict import spoken
 from calib.errors import NotDeterminedError
 from calib.recording.durable import write_whole

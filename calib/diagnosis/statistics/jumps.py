@@ -12,14 +12,13 @@ from scipy.stats import norm
 
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.neighbourhoods import about_each, middles
+from calib.diagnosis.statistics.noisy import MEDIAN_OF_NORMAL
 from calib.kernels.near_sums import near_sums
 
 Floats = NDArray[np.float64]
 
 FEW_LINES = 16
 """Of so few, or fewer, no pixel's own variance tells its noise."""
-MEDIAN_OF_NORMAL = 0.6745
-"""Median of the absolute values of a standard normal variable."""
 MEDIAN_LINES = 64
 """Of so many lines a pixel's median is told, and how its samples scatter without jumps."""
 NEAR_SIGMA = 3.0

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.diagnosis.naming.shapes import departures
+from calib.diagnosis.shapes.of_effects import departures
 from calib.diagnosis.sums.names import EFFECTS
 from calib.forward.effects.brighter_fatter import BrighterFatter
 from calib.forward.effects.nonlinearity import Nonlinearity

@@ -11,11 +11,11 @@ from numpy.random import default_rng
 from calib.diagnosis.answer.found import estimates_of
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest
-from calib.diagnosis.naming.looked_for import scales_of
 from calib.diagnosis.naming.search import find
-from calib.diagnosis.naming.shapes import shapes_of
-from calib.diagnosis.naming.signatures import signature
-from calib.diagnosis.naming.told_shapes import told_shapes
+from calib.diagnosis.shapes.of_effects import shapes_of
+from calib.diagnosis.shapes.told_shapes import told_shapes
+from calib.diagnosis.signatures.looked_for import scales_of
+from calib.diagnosis.signatures.signature import signature
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.effects.catalogue import effect_named
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded

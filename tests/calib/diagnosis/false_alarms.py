@@ -12,8 +12,8 @@ from numpy.random import default_rng
 
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest
-from calib.diagnosis.naming.looked_for import signatures_of
 from calib.diagnosis.naming.remainder import worst
+from calib.diagnosis.signatures.looked_for import signatures_of
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.model import Model as ForwardModel
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded

@@ -6,8 +6,8 @@
 `draw` takes single effects, of shapes that the catalogue has and has not, from the concealed
 generator, seeded by an origin of your own; it diagnoses each and writes what every name explains in
 the place of what was found. `fit` prints the template error (see
-`calib.diagnosis.naming.template_error`) under which the true names are likeliest, with its standard
-uncertainty, and how stated probabilities were kept on the other half of the findings.
+`calib.diagnosis.signatures.template_error`) under which the true names are likeliest, with its
+standard uncertainty, and how stated probabilities were kept on the other half of the findings.
 """
 
 import json
@@ -22,7 +22,7 @@ import numpy as np
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.judgement import Explained, explained_by, told
-from calib.diagnosis.naming.template_error import TEMPLATE_ERROR, temper
+from calib.diagnosis.signatures.template_error import TEMPLATE_ERROR, temper
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.recording.open import open_recording
 from tests.concealed.generator.answer import take_case

@@ -5,10 +5,10 @@ import pytest
 from numpy.random import default_rng
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.all_signatures import all_signatures
-from calib.diagnosis.naming.changes import change_of
-from calib.diagnosis.naming.code_credit import LOW_BITS, with_code_credit
-from calib.diagnosis.naming.told_shapes import told_shapes
+from calib.diagnosis.shapes.told_shapes import told_shapes
+from calib.diagnosis.signatures.all_signatures import all_signatures
+from calib.diagnosis.signatures.changes import change_of
+from calib.diagnosis.signatures.code_credit import LOW_BITS, with_code_credit
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.departure import Departure
 from calib.forward.effects.adc_dnl import AdcDnl

@@ -9,12 +9,12 @@ from numpy.random import default_rng
 from scipy.stats import chi2
 
 from calib.diagnosis.diagnose import examine
-from calib.diagnosis.naming import signatures
-from calib.diagnosis.naming.changes import change_of
-from calib.diagnosis.naming.faulty_tap import faulty_tap
-from calib.diagnosis.naming.shape import Shape
-from calib.diagnosis.naming.told_shapes import suspect_bits, told_shapes
 from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.shapes.faulty_tap import faulty_tap
+from calib.diagnosis.shapes.shape import Shape
+from calib.diagnosis.shapes.told_shapes import suspect_bits, told_shapes
+from calib.diagnosis.signatures import signature as signatures
+from calib.diagnosis.signatures.changes import change_of
 from calib.diagnosis.simulation.fault_moments import PixelCodes
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.statistics.change import Change

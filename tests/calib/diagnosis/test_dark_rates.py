@@ -7,18 +7,18 @@ from numpy.random import default_rng
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest
-from calib.diagnosis.naming.dark_rates import (
+from calib.diagnosis.naming.judgement import candidates_of
+from calib.diagnosis.naming.model import Model
+from calib.diagnosis.naming.search import find
+from calib.diagnosis.shapes.dark_rates import (
     BY_CHANCE,
     MOST_OF_ONE,
     dark_rate_shapes,
     growth_dn,
 )
-from calib.diagnosis.naming.judgement import candidates_of
-from calib.diagnosis.naming.looked_for import scales_of
-from calib.diagnosis.naming.model import Model
-from calib.diagnosis.naming.search import find
-from calib.diagnosis.naming.shapes import shapes_of
-from calib.diagnosis.naming.signatures import signature
+from calib.diagnosis.shapes.of_effects import shapes_of
+from calib.diagnosis.signatures.looked_for import scales_of
+from calib.diagnosis.signatures.signature import signature
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.departure import Departure
 from calib.forward.effects.amplifier_glow import AmplifierGlow

@@ -20,7 +20,7 @@ from calib.diagnosis.deciding.testable import newly_testable
 from calib.diagnosis.diagnose import Examination, examine
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.growing import Growing
-from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.signatures.changes import change_of
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.statistics.tones import Peak
 from calib.forward.departure import Departure

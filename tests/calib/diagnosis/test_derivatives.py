@@ -12,8 +12,8 @@ from calib.diagnosis.evidence.point import Point
 from calib.diagnosis.naming.derivatives import FAINT, NEAR, which_moved
 from calib.diagnosis.naming.model import Member
 from calib.diagnosis.naming.refit import reachable
-from calib.diagnosis.naming.shape import Shape
-from calib.diagnosis.naming.signatures import Signature
+from calib.diagnosis.shapes.shape import Shape
+from calib.diagnosis.signatures.signature import Signature
 from calib.forward.effects.lag import Lag
 
 

@@ -8,7 +8,7 @@ from calib.diagnosis.answer.amended import amended_model
 from calib.diagnosis.answer.empirical import best_term, empirical_term
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.known import beside
-from calib.diagnosis.naming.shapes import departures
+from calib.diagnosis.shapes.of_effects import departures
 from calib.errors import InputError
 from calib.forward.effect import Effect
 from calib.forward.effects.empirical import Empirical

@@ -6,11 +6,11 @@ from numpy.random import default_rng
 from scipy.special import gammaln, logsumexp
 from scipy.stats import norm
 
-from calib.diagnosis.naming.far_credit import FarCredit, far_credit
-from calib.diagnosis.naming.far_events import log_density
-from calib.diagnosis.naming.far_likelihood import most_likely
 from calib.diagnosis.naming.search import THRESHOLD
 from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.shapes.far_credit import FarCredit, far_credit
+from calib.diagnosis.shapes.far_events import log_density
+from calib.diagnosis.shapes.far_likelihood import most_likely
 from calib.diagnosis.statistics.far_samples import LEAST_SIGMA
 from calib.diagnosis.statistics.gather import block_sums
 from calib.forward.effect import Effect

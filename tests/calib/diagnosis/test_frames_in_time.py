@@ -9,7 +9,7 @@ from scipy.stats import chi2
 
 from calib.diagnosis.diagnose import examine
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.signatures.changes import change_of
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.statistics.pooled import settled
 from calib.forward.effect import Effect

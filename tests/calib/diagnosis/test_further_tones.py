@@ -12,8 +12,8 @@ from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.look import Look
 from calib.diagnosis.naming.model import Member
 from calib.diagnosis.naming.remainder import CERTAIN_SIGMA, looks_at
-from calib.diagnosis.naming.shape import Shape
-from calib.diagnosis.naming.signatures import Signature
+from calib.diagnosis.shapes.shape import Shape
+from calib.diagnosis.signatures.signature import Signature
 from calib.diagnosis.statistics.further_tones import FurtherTone, tones_beside
 from calib.diagnosis.statistics.tones import Peak
 from calib.forward.departure import Departure

@@ -1,7 +1,7 @@
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.naming.told_shapes import told_shapes
+from calib.diagnosis.shapes.told_shapes import told_shapes
 from calib.forward.effects.hot_pixels import HotPixels
 from calib.forward.effects.rts_pixels import RtsPixels
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded

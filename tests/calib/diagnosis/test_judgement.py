@@ -2,7 +2,7 @@ import numpy as np
 from numpy.random import default_rng
 
 from calib.diagnosis.naming.judgement import HELD, Explained, told
-from calib.diagnosis.naming.template_error import temper
+from calib.diagnosis.signatures.template_error import temper
 from tests.calib.diagnosis.probabilities import Found, fit, reliability
 
 ERROR = 0.05

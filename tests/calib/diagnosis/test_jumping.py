@@ -2,8 +2,8 @@ import numpy as np
 from numpy.random import default_rng
 
 from calib.diagnosis.evidence.jumping import jumping_pixels
-from calib.diagnosis.naming.told_shapes import told_shapes
 from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.shapes.told_shapes import told_shapes
 from calib.diagnosis.statistics.gather import block_sums
 from calib.diagnosis.statistics.rare import RARE
 from calib.forward.effects.cosmic_rays import CosmicRays

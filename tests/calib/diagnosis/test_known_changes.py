@@ -1,6 +1,6 @@
 import numpy as np
 
-from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.signatures.changes import change_of
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.simulation.latest import Latest
 from calib.diagnosis.statistics.change import Change

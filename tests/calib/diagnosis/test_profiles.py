@@ -11,12 +11,12 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.contribution import contribution
-from calib.diagnosis.naming.looked_for import scales_of
 from calib.diagnosis.naming.model import Member, Model
 from calib.diagnosis.naming.remainder import unexplained_deviance
 from calib.diagnosis.naming.search import find
-from calib.diagnosis.naming.shapes import shapes_of
-from calib.diagnosis.naming.signatures import signature
+from calib.diagnosis.shapes.of_effects import shapes_of
+from calib.diagnosis.signatures.looked_for import scales_of
+from calib.diagnosis.signatures.signature import signature
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.conditions import Conditions
 from calib.forward.departure import Departure

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.random import default_rng
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.repeated import log_chance, repeated_shapes
+from calib.diagnosis.shapes.repeated import log_chance, repeated_shapes
 from calib.diagnosis.statistics.repeats import UNLIKELY
 from calib.forward.effects.duplicated_lines import DuplicatedLines
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded

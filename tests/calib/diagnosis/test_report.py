@@ -18,14 +18,14 @@ from calib.diagnosis.baseline.requirements import check_can_be_diagnosed
 from calib.diagnosis.diagnose import Examination
 from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest
-from calib.diagnosis.naming.looked_for import scales_of
 from calib.diagnosis.naming.search import find
-from calib.diagnosis.naming.shapes import shapes_of
-from calib.diagnosis.naming.signatures import signature
 from calib.diagnosis.report.compared import Compared
 from calib.diagnosis.report.groups import groups_of
 from calib.diagnosis.report.page import page, page_of_undiagnosed
 from calib.diagnosis.report.panel import Group
+from calib.diagnosis.shapes.of_effects import shapes_of
+from calib.diagnosis.signatures.looked_for import scales_of
+from calib.diagnosis.signatures.signature import signature
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.words.verdict import first_sentence
 from calib.errors import NotDeterminedError

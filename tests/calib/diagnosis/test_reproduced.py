@@ -6,8 +6,8 @@ import numpy as np
 from numpy.random import default_rng
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.changes import change_of
-from calib.diagnosis.naming.reproduced import PIECES, reproduced
+from calib.diagnosis.signatures.changes import change_of
+from calib.diagnosis.signatures.reproduced import PIECES, reproduced
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.effects.saturation_knee import SaturationKnee
 from calib.forward.effects.tap_gain_drift import TapGainDrift

@@ -10,9 +10,9 @@ from calib.diagnosis.baseline.nuisance import scene_blocks
 from calib.diagnosis.baseline.scenes import with_steady_light
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.fitted_evidence import evidence_of
-from calib.diagnosis.naming.changes import change_of
 from calib.diagnosis.recorded.joint import joint
 from calib.diagnosis.recorded.sensor import Sensor
+from calib.diagnosis.signatures.changes import change_of
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.statistics.gather import block_sums
 from calib.forward.departure import Departure

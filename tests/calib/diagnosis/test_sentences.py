@@ -5,7 +5,7 @@ import math
 import pytest
 
 from calib.diagnosis.answer.estimate import Estimate
-from calib.diagnosis.naming.shapes import departures
+from calib.diagnosis.shapes.of_effects import departures
 from calib.diagnosis.words.scales import RecordingScales
 from calib.diagnosis.words.sentences import SENTENCES, sentence_of
 from calib.diagnosis.words.telling import Telling

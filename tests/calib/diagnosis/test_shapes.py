@@ -2,8 +2,8 @@ from dataclasses import replace
 
 import pytest
 
-from calib.diagnosis.naming.grids import Scales
-from calib.diagnosis.naming.shapes import shapes_of
+from calib.diagnosis.shapes.grids import Scales
+from calib.diagnosis.shapes.of_effects import shapes_of
 from calib.forward.effects.banding import Banding
 from calib.forward.effects.cti import Cti
 from calib.recording.header import CameraHeader

@@ -9,7 +9,7 @@ from numpy.random import default_rng
 from scipy.stats import chi2
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.signatures.changes import change_of
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.departure import Departure
 from calib.forward.effects.black_clip import BlackClip

@@ -3,9 +3,9 @@ import pytest
 from numpy.random import default_rng
 
 from calib.diagnosis.diagnose import examine
-from calib.diagnosis.naming.dark_codes import DarkCodes
-from calib.diagnosis.naming.gathered_darks import dark_codes
-from calib.diagnosis.naming.stop_shapes import stop_shapes
+from calib.diagnosis.shapes.dark_codes import DarkCodes
+from calib.diagnosis.shapes.gathered_darks import dark_codes
+from calib.diagnosis.shapes.stop_shapes import stop_shapes
 from calib.forward.effect import Effect
 from calib.forward.effects.black_clip import BlackClip
 from calib.forward.effects.dark_current import DarkCurrent

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.diagnosis.naming.shapes import departures
+from calib.diagnosis.shapes.of_effects import departures
 from calib.diagnosis.sums.amended import amended_model
 from calib.diagnosis.sums.diagnose import SumsExamination, diagnose_sums
 from calib.errors import NotDeterminedError

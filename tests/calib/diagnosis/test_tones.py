@@ -7,7 +7,7 @@ import pytest
 from numpy.random import default_rng
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.signatures.changes import change_of
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.simulation.opposite_tone import opposite_tone
 from calib.forward.effects.banding import Banding

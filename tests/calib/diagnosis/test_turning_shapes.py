@@ -3,7 +3,7 @@
 import pytest
 from numpy.random import default_rng
 
-from calib.diagnosis.naming.turning_shapes import turning_shapes
+from calib.diagnosis.shapes.turning_shapes import turning_shapes
 from calib.forward.effect import Effect
 from calib.forward.effects.adc_inl import AdcInl
 from calib.forward.effects.nonlinearity import Nonlinearity

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.random import default_rng
 from scipy.stats import chi2
 
-from calib.diagnosis.naming.changes import change_of
+from calib.diagnosis.signatures.changes import change_of
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.forward.effects.lag import Lag
 from calib.recording.header import Block

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.shape import Shape
+from calib.diagnosis.shapes.shape import Shape
 from calib.forward.effects.adc_inl import AdcInl
 
 Floats = NDArray[np.float64]

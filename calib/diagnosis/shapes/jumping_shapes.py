@@ -7,7 +7,7 @@ import numpy as np
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.jumping import jumping_pixels
 from calib.diagnosis.evidence.rare_space import whitened_counts
-from calib.diagnosis.naming.shape import Shape
+from calib.diagnosis.shapes.shape import Shape
 from calib.forward.effects.rts_pixels import RtsPixels
 
 DWELLS = (3.0, 12.0, 50.0, 1000.0)

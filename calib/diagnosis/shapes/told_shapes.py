@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.far_credit import TAIL_NOISES, far_credit
-from calib.diagnosis.naming.faulty_tap import faulty_tap
-from calib.diagnosis.naming.jumping_shapes import jumping_shapes
-from calib.diagnosis.naming.repeated import repeated_shapes
-from calib.diagnosis.naming.shape import Shape
-from calib.diagnosis.naming.stop_shapes import stop_shapes
-from calib.diagnosis.naming.turning_shapes import turning_shapes
+from calib.diagnosis.shapes.far_credit import TAIL_NOISES, far_credit
+from calib.diagnosis.shapes.faulty_tap import faulty_tap
+from calib.diagnosis.shapes.jumping_shapes import jumping_shapes
+from calib.diagnosis.shapes.repeated import repeated_shapes
+from calib.diagnosis.shapes.shape import Shape
+from calib.diagnosis.shapes.stop_shapes import stop_shapes
+from calib.diagnosis.shapes.turning_shapes import turning_shapes
 from calib.forward.effects.adc_dnl import AdcDnl
 from calib.forward.effects.adc_inl import AdcInl
 from calib.forward.effects.black_clip import BlackClip

@@ -5,14 +5,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.all_signatures import all_signatures
-from calib.diagnosis.naming.code_credit import with_code_credit
-from calib.diagnosis.naming.dark_rates import dark_rate_shapes
-from calib.diagnosis.naming.grids import Scales
-from calib.diagnosis.naming.shapes import departures, shapes_of
-from calib.diagnosis.naming.signatures import Signature
-from calib.diagnosis.naming.told_shapes import told_shapes
 from calib.diagnosis.recorded.limits import too_few_frames
+from calib.diagnosis.shapes.dark_rates import dark_rate_shapes
+from calib.diagnosis.shapes.grids import Scales
+from calib.diagnosis.shapes.of_effects import departures, shapes_of
+from calib.diagnosis.shapes.told_shapes import told_shapes
+from calib.diagnosis.signatures.all_signatures import all_signatures
+from calib.diagnosis.signatures.code_credit import with_code_credit
+from calib.diagnosis.signatures.signature import Signature
 from calib.diagnosis.simulation.response import Responder
 
 Progress = Callable[[float], None]

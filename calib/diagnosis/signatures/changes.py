@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.reproduced import reproduced
 from calib.diagnosis.recorded.monitor import light_change
+from calib.diagnosis.signatures.reproduced import reproduced
 from calib.diagnosis.simulation.events import Density, change_of_events, density_of
 from calib.diagnosis.simulation.fault_change import change_of_faults, no_change
 from calib.diagnosis.simulation.fault_surroundings import Surroundings

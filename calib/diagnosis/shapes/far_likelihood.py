@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.special import erfcx, ndtr
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.far_events import FarEvents, relative_exposure
+from calib.diagnosis.shapes.far_events import FarEvents, relative_exposure
 from calib.diagnosis.statistics.far_samples import LEAST_SIGMA
 
 Floats = NDArray[np.float64]

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.point import Point
-from calib.diagnosis.naming.changes import change_of, needs_two_draws
-from calib.diagnosis.naming.shape import Shape
+from calib.diagnosis.shapes.shape import Shape
+from calib.diagnosis.signatures.changes import change_of, needs_two_draws
 from calib.diagnosis.simulation.events import density_of
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.sampled_lines import is_tone

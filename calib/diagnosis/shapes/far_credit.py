@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.far_events import FarEvents, far_events
-from calib.diagnosis.naming.far_likelihood import (
+from calib.diagnosis.shapes.far_events import FarEvents, far_events
+from calib.diagnosis.shapes.far_likelihood import (
     flipped,
     hit,
     most_likely,

@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.dark_codes import DarkCodes, misfit_per_code
-from calib.diagnosis.naming.gathered_darks import dark_codes
-from calib.diagnosis.naming.shape import Shape
+from calib.diagnosis.shapes.dark_codes import DarkCodes, misfit_per_code
+from calib.diagnosis.shapes.gathered_darks import dark_codes
+from calib.diagnosis.shapes.shape import Shape
 from calib.diagnosis.simulation.with_values import with_values
 from calib.forward.effects.black_clip import BlackClip
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.shape import Shape
-from calib.diagnosis.naming.signatures import Signature, signature
+from calib.diagnosis.shapes.shape import Shape
+from calib.diagnosis.signatures.signature import Signature, signature
 from calib.diagnosis.simulation.response import Responder
 
 THREADS = 2

@@ -7,8 +7,8 @@ it lasted, how bright it got, how many columns it has. No effect is known by its
 from collections.abc import Sequence
 from math import inf, isfinite
 
-from calib.diagnosis.naming.grids import Scales, grid, star
-from calib.diagnosis.naming.shape import Shape
+from calib.diagnosis.shapes.grids import Scales, grid, star
+from calib.diagnosis.shapes.shape import Shape
 from calib.diagnosis.simulation.with_values import with_values
 from calib.forward.departure import Departure
 from calib.forward.effects.catalogue import CATALOGUE

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.dark_codes import DarkCodes
+from calib.diagnosis.shapes.dark_codes import DarkCodes
 
 Floats = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.rare_space import whitened_counts
-from calib.diagnosis.naming.shape import Shape
+from calib.diagnosis.shapes.shape import Shape
 from calib.diagnosis.statistics.rare import RARE
 from calib.diagnosis.statistics.repeats import UNLIKELY
 from calib.forward.effects.duplicated_lines import DuplicatedLines

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.growing import fitted_growth
-from calib.diagnosis.naming.shape import Shape
+from calib.diagnosis.shapes.shape import Shape
 from calib.diagnosis.simulation.with_values import with_values
 from calib.forward.departure import Departure
 from calib.forward.effects.dark_current import DarkCurrent

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.naming.signatures import Signature
-from calib.diagnosis.naming.template_error import temper
+from calib.diagnosis.signatures.signature import Signature
+from calib.diagnosis.signatures.template_error import temper
 from calib.forward.effects.adc_dnl import AdcDnl
 from calib.forward.effects.stuck_bit import StuckBit
 

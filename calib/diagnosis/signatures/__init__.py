@@ -1,0 +1,1 @@
+"""What effects change in a recording, and the directions in which each shape moves it."""
