@@ -28,8 +28,9 @@ def test_all_harmonics_together_scatter_as_their_covariance_says(detector: Detec
         away = fit.transfer - case.transfer(fit)
         error = np.concatenate([away.real, away.imag])
         ratios.append(error @ np.linalg.solve(fit.transfer_covariance, error) / len(error))
-    # 105 unknowns from 324 pixels: the sandwich alone comes to 1.35.
-    assert abs(np.mean(ratios) - 1) < 4.5 * np.std(ratios, ddof=1) / np.sqrt(24)
+    # 105 unknowns from 324 pixels: the sandwich alone comes to 1.35. One ratio scatters by 0.17, of
+    # 240 recordings; what these few scatter by is small where they are small, and no measure.
+    assert abs(np.mean(ratios) - 1) < 5.0 * 0.17 / np.sqrt(24)
 
 
 def test_what_is_noise_of_a_covariance_is_told_from_what_is_not() -> None:
