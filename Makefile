@@ -4,8 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PEERS := .venv-peers
 # Tests side by side; one of the workers has all that need the one simulated camera. 0: one by one.
-# Three for two cores: lines that time out, and services that start, are waited for a third of the time.
-WORKERS ?= 3
+WORKERS ?= 2
 # Options and rows of the benchmarks, e.g. make bench BENCH="--quick sums fit"
 BENCH ?=
 # Writing a compiled loop once per machine, not once per process.
