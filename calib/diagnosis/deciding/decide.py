@@ -68,7 +68,7 @@ def next_measurement(
         f"tells {names}: {best.option.what}",
         plan,
         best.sigma,
-        separation(rivals, *reduced(examined.evidence)),
+        separation(*reduced(rivals, examined.evidence)),
         best.seconds,
         best.sigma >= wanted_sigma,
     )
@@ -83,12 +83,12 @@ def judged_plans(
     for option in options(evidence, bench):
         blocks, seconds = timed(option.plan, bench, ended_s + bench.starts_in_s)
         costed.append((seconds, option, blocks))
-    judged, (small, factor) = [], reduced(evidence)
+    judged, (there, small, factor) = [], reduced(rivals, evidence)
     for seconds, option, blocks in sorted(costed, key=lambda each: each[0]):
         if seconds > most_s:
             break
-        there = with_planned(small, blocks)
-        found = Judged(option, seconds, separation(rivals, there, factor))
+        both = with_planned(small, blocks)
+        found = Judged(option, seconds, separation(there, both, factor))
         judged.append(found)
         if found.sigma >= wanted_sigma:
             break

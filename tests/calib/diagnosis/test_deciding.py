@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 from calib.diagnosis.deciding.bench import BenchTime, Taken, at_the_pace_of, timed
 from calib.diagnosis.deciding.decide import chosen, judged_plans, next_measurement
@@ -20,11 +21,16 @@ from calib.diagnosis.deciding.testable import newly_testable
 from calib.diagnosis.diagnose import Examination, examine
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.growing import Growing
+from calib.diagnosis.naming.model import Member
+from calib.diagnosis.shapes.shape import Shape
 from calib.diagnosis.signatures.changes import change_of
+from calib.diagnosis.signatures.signature import Signature
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.statistics.tones import Peak
 from calib.forward.departure import Departure
 from calib.forward.effect import Effect
+from calib.forward.effects.dark_current import DarkCurrent
+from calib.forward.effects.hot_pixels import HotPixels
 from calib.forward.effects.stray_light import StrayLight
 from calib.recording.header import Block, RecordingHeader
 from tests.calib.diagnosis.recordings import plain_model, recorded
@@ -137,13 +143,49 @@ def test_no_plan_saturates_and_each_costs_its_lines_and_lamps() -> None:
 
 def test_a_smaller_sensor_stands_for_the_whole_one() -> None:
     whole = stray().evidence
-    small, factor = reduced(whole, COLUMNS // 3)
+    there, small, factor = reduced(rivals(), whole, COLUMNS // 3)
     assert factor == pytest.approx(np.sqrt(3.0))
-    assert reduced(whole)[0] is whole
+    assert reduced(rivals(), whole)[1] is whole
     taken, _ = timed(with_dark().plan, BENCH, float(whole.table.started_s[-1]) + 5.0)
-    full, part = (distance(rivals(), with_planned(evidence, taken)) for evidence in (whole, small))
+    full = distance(rivals(), with_planned(whole, taken))
+    part = distance(there, with_planned(small, taken))
     # The middle third is brighter by the vignette than all are: a few per cent of shot noise.
     assert abs(part * factor / full - 1.0) < 0.2
+
+
+@pytest.mark.parametrize("rows", [None, 12])
+@pytest.mark.parametrize("pixels", [(3, 140), (1, 70, 130), (2,)])
+def test_hot_pixels_are_worth_on_a_smaller_sensor_what_they_are_on_the_whole(
+    pixels: tuple[int, ...], rows: int | None
+) -> None:
+    darks = blocks_of([(t, 0.0) for t in (200.0, 400.0, 600.0, 800.0, 1000.0)])
+    evidence = recorded(plain_model(192, rows=rows), darks, default_rng())
+    rates = tuple(0.002 * (1.0 + k) for k in range(len(pixels)))
+    hot = Shape(HotPixels(pixels=pixels, rates_e_per_us=rates), (("rates_e_per_us", rates, 0.0),),
+                two_sided=False)  # fmt: skip
+    rival = Shape(DarkCurrent(1e-4, 0.0), (("electrons_per_us", 1e-4, 0.0),), two_sided=False)
+    pair = Rivals(tuple(as_member(shape, evidence) for shape in (hot, rival)), ())
+    there, small, factor = reduced(pair, evidence, columns=64)
+    assert factor > 1.7
+    # Left out, moved without being scaled, or scaled alone, they would be off by a third and more.
+    assert distance(there, small) * factor == pytest.approx(distance(pair, evidence), rel=0.15)
+
+
+def test_rates_told_for_every_pixel_are_those_of_the_window() -> None:
+    evidence = recorded(plain_model(24, rows=12), blocks_of([(200.0, 0.0)] * 3), default_rng())
+    rates = tuple(np.arange(288.0).tolist())
+    own = Shape(DarkCurrent(rates_e_per_us=rates), (("rates_e_per_us", rates, 0.0),), False)
+    there, _, _ = reduced(Rivals((as_member(own, evidence),), ()), evidence, columns=8)
+    inside = np.arange(288.0).reshape(12, 24)[:8, 8:16]
+    effect = there.members[0].effect
+    assert isinstance(effect, DarkCurrent)
+    assert_array_equal(effect.rates_e_per_us, inside.ravel())
+
+
+def as_member(shape: Shape, evidence: Evidence) -> Member:
+    change = change_of((shape.at(1.0),), evidence, responder_of(evidence))
+    signature = Signature(shape, 1.0, change, evidence.point(change), 1.0)
+    return Member(signature, 1.0, {}, (), (), ())
 
 
 def test_the_pace_is_that_of_the_recording() -> None:
@@ -184,7 +226,7 @@ def test_a_scene_may_be_planned_for_frames_beside_pixels_that_grow() -> None:
     growing = Growing(np.array([5]), np.array([0.01]), np.full((evidence.n_blocks, 1), 9.0))
     scene = Block(block="s", kind="scene", exposure_us=800.0, level=1.0, lines=20, started_s=99.0)
     both = with_planned(replace(evidence, growing=growing), [scene])
-    small, factor = reduced(with_planned(evidence, [scene]), columns=24)
+    _, small, factor = reduced(Rivals((), ()), with_planned(evidence, [scene]), columns=24)
     assert both.point(both.observed()).means.shape == (both.n_blocks, 12 * COLUMNS)
     assert small.point(small.observed()).means.shape == (both.n_blocks, 8 * 24)
     assert factor == pytest.approx(np.sqrt(12 * COLUMNS / (8 * 24)))
