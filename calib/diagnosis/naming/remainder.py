@@ -1,6 +1,7 @@
 """What no effect explains: a remainder is looked at in several ways, and described."""
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
@@ -13,6 +14,9 @@ Floats = NDArray[np.float64]
 
 CERTAIN_SIGMA = 5.0
 """A remainder beyond this, all ways of looking counted, is not chance."""
+SMOOTH = 4
+"""Degree up to which profiles of the columns are looked at one by one: among all pixels' chance a
+smooth remainder drowns."""
 CLAIMED = 0.5
 """Of a peak: a tone that leaves less of it is what it comes from, steady or not."""
 
@@ -32,50 +36,61 @@ def _means(model: Model, evidence: Evidence) -> list[Look]:
     # Pixels that move together, as the lines of a block do, are not far off one by one.
     own = evidence.space.product(residual, residual)
     freedom = float(evidence.space.degrees_of_freedom)
-    common, n_pixels = evidence.common, residual.shape[1]
-    shared = np.array([common.shared_dn2(float(s)) * common.memory for s in evidence.signal_dn])
-    shared = shared / (evidence.n * evidence.sensor.n_rows)
+    columns = np.linspace(-1.0, 1.0, evidence.sensor.n_columns)
+    smooth = np.tile(legvander(columns, SMOOTH)[:, 1:].T, evidence.sensor.n_rows)
     return [
         Look("mean", ("column",), own, freedom, (residual**2).sum(axis=1)),
-        _along("time", np.ones(n_pixels), shared, residual, evidence),
-        _along("column", np.linspace(-1.0, 1.0, n_pixels), 0.0 * shared, residual, evidence),
+        _along("time", np.ones(residual.shape[1]), residual, evidence),
+        *(_along("column", profile, residual, evidence) for profile in smooth),
         *_between_taps(residual, evidence),
     ]
 
 
 def _between_taps(residual: Floats, evidence: Evidence) -> list[Look]:
     """Return how far the means of taps are off against those of the taps before them."""
-    tap, none = evidence.sensor.tap.ravel(), np.zeros(evidence.n_blocks)
+    tap = evidence.sensor.tap.ravel()
     looks = []
     for t in range(1, evidence.sensor.n_taps):
         share = float((tap == t).sum()) / float((tap < t).sum())
         contrast = np.where(tap == t, 1.0, np.where(tap < t, -share, 0.0))
-        looks.append(_along("tap", contrast, none, residual, evidence))
+        looks.append(_along("tap", contrast, residual, evidence))
     return looks
 
 
-def _along(
-    depends: str, profile: Floats, shared_dn2: Floats, residual: Floats, evidence: Evidence
-) -> Look:
+def _along(depends: str, profile: Floats, residual: Floats, evidence: Evidence) -> Look:
     """Return how far the blocks' means are off along a profile of the pixels.
 
     Args:
         depends: What it follows, from block to block, beside the signal.
         profile: The same in all blocks, (n_pixels,).
-        shared_dn2: Variance of the profile's amplitude by noise that lines share, (n_blocks,).
         residual: What is left of the means, whitened, (n_blocks, n_pixels).
         evidence: The recording.
     """
     energies, freedom = np.zeros(len(residual)), 0
     for b, weight in enumerate(evidence.space.weight):
         white = profile * weight
-        length2 = float(white @ white)
-        if length2 > 0:
-            along2 = float(white @ residual[b]) ** 2 / length2
-            energies[b], freedom = along2 / (1.0 + shared_dn2[b] * length2), freedom + 1
+        length = float(np.sqrt(white @ white))
+        if length > 0:
+            along2 = float(white @ residual[b] / length) ** 2
+            energies[b] = along2 / (1.0 + _shared(b, white / length, evidence))
+            freedom += 1
     absorbed = min(len(evidence.space.basis), max(freedom - 1, 0))
     free = max(freedom - absorbed, 1)
     return Look("mean", (depends, "signal"), float(energies.sum()), free, energies)
+
+
+def _shared(b: int, unit: Floats, evidence: Evidence) -> float:
+    """Return the variance along a whitened direction of unit length, by noise that lines share.
+
+    That is the same for all pixels of the electronics, and goes with their signal of the light.
+    """
+    signal = float(evidence.signal_dn[b])
+    variance = evidence.common.shared_dn2(signal) * evidence.common.memory
+    weight = evidence.space.weight[b]
+    shading = np.maximum(evidence.baseline.mean_dn[b] - evidence.baseline.offset_dn, 0.0).ravel()
+    shading = shading / max(float(shading.mean()), 1e-300)
+    alike = max(float(unit @ weight) ** 2, float(unit @ (weight * shading)) ** 2)
+    return float(variance) / float(evidence.n[b] * evidence.sensor.n_rows) * alike
 
 
 def _pooled(model: Model, evidence: Evidence) -> list[Look]:

@@ -60,6 +60,14 @@ class LeaksInAtOneEnd(StrayLight):
         return signal + (0.0 if at.capped else self.radiance * profile)
 
 
+class BreathesWithTheLevel(StrayLight):
+    """The source's shading changes with its level: light that grows as the level's square."""
+
+    def apply(self, signal: Lines, at: Conditions, rng: np.random.Generator) -> Lines:
+        middle = np.cos(np.pi * np.linspace(-1.0, 1.0, signal.shape[-1]))
+        return signal * (1.0 + self.radiance * middle * signal.mean())
+
+
 class WarmerAtOneEnd(DarkCurrent):
     """One end gathers nine times as much as the other."""
 
@@ -99,3 +107,13 @@ def test_a_glow_by_another_law_is_no_gradient_of_dark_current() -> None:
     # What falls as the square falls more slowly far away: a little dark current may be beside it.
     gains = {m.effect.name: product_of(m, evidence) for m in model.members}
     assert max(gains, key=lambda name: gains[name]) == "amplifier_glow"
+
+
+def test_a_shading_that_changes_with_the_level_has_no_name() -> None:
+    rng = default_rng()
+    effect = BreathesWithTheLevel(0.0025)
+    evidence = recorded(plain_model(COLUMNS), plan(rng, 60), rng, (effect,))
+    model = found_in(evidence)
+    # What is left of it by light of any profile is smooth: among all pixels it would be chance.
+    assert not model.members
+    assert unexplained_deviance(model, evidence) > 0.0
