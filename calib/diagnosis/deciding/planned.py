@@ -18,8 +18,8 @@ from calib.diagnosis.evidence.growing import Growing
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
+from calib.diagnosis.statistics.peak import Peak
 from calib.diagnosis.statistics.rare import RareEvents
-from calib.diagnosis.statistics.tones import Peak
 from calib.forward.scene import bar
 from calib.kernels.expected_histogram import expected_histogram
 from calib.kernels.residual_products import COLUMN_LAGS, LINE_LAGS, ResidualProducts

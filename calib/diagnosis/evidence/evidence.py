@@ -28,7 +28,8 @@ from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.common_noise import CommonNoise
 from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.further_tones import FurtherTone, further_tones
-from calib.diagnosis.statistics.tones import Peak, find_peaks
+from calib.diagnosis.statistics.peak import Peak
+from calib.diagnosis.statistics.tones import find_peaks
 
 Floats = NDArray[np.float64]
 

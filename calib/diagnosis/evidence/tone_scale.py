@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.statistics.tones import Peak
+from calib.diagnosis.statistics.peak import Peak
 
 Floats = NDArray[np.float64]
 

@@ -28,7 +28,8 @@ def rhythm_group(seen: Compared, weight: float) -> Group:
         Panel("spectrum-lines", on_axes(lambda axes: _spectrum(seen, None, axes))),
         Panel("shared-noise", on_axes(lambda axes: _shared(seen, axes))),
     ]
-    along = sorted({peak.cycles_along for peak in seen.examined.evidence.peaks} - {0})
+    peaks = [peak for peak in seen.examined.evidence.peaks if peak.stands_out]
+    along = sorted({peak.cycles_along for peak in peaks} - {0})
     if along:
         panels.append(Panel("spectrum-tone", on_axes(lambda axes: _spectrum(seen, along[0], axes))))
     return Group("rhythm", "Rhythm of the lines", caption, tuple(panels), weight)
@@ -63,7 +64,7 @@ def _spectrum(seen: Compared, along: int | None, axes: Axes) -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_ylim(0.1, max(4.0, axes.get_ylim()[1]))
     for peak in evidence.peaks:
-        if peak.cycles_along == column:
+        if peak.cycles_along == column and peak.stands_out:
             x = abs(peak.cycles_per_line) if along is None else peak.cycles_per_line
             axes.plot(x, axes.get_ylim()[1], "v", color=BEFORE, ms=7, clip_on=False)
     of = "of the lines' means" if along is None else f"{column} cycles along a line"

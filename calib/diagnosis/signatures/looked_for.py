@@ -28,7 +28,9 @@ def scales_of(evidence: Evidence, responder: Responder) -> Scales:
         period_s,
         responder.chain.most_electrons,
         float(table.radiance.max()),
-        tuple(f for peak in evidence.peaks for f in peak.frequencies_hz(period_s)),
+        tuple(
+            f for peak in evidence.peaks if peak.stands_out for f in peak.frequencies_hz(period_s)
+        ),
         int(np.median(table.n_lines)),
     )
 

@@ -9,9 +9,9 @@ from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.sampled_lines import SampledLines
 from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.gather import CUT_SIGMA
+from calib.diagnosis.statistics.peak import Peak
 from calib.diagnosis.statistics.pooled import ONSET_LINES, places, pooled
 from calib.diagnosis.statistics.rare import FAR_SIGMA, OFTEN, RARE, rare_trials
-from calib.diagnosis.statistics.tones import Peak
 from calib.kernels.residual_products import LINE_LAGS, ResidualProducts, tap_sizes
 from calib.kernels.scatter_products import scatter_products
 

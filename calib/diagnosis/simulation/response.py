@@ -20,8 +20,8 @@ from calib.diagnosis.simulation.tone_lines import ToneLines
 from calib.diagnosis.statistics.change import Change
 from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.noisy import NOISY_SIGMA, few
+from calib.diagnosis.statistics.peak import Peak
 from calib.diagnosis.statistics.rare import rare_trials
-from calib.diagnosis.statistics.tones import Peak
 from calib.forward.departure import Departure
 from calib.forward.effect import Effect, Stage
 

@@ -19,8 +19,8 @@ from calib.diagnosis.simulation.sampled_lines import SampledLines
 from calib.diagnosis.simulation.short_blocks import as_of_long_blocks
 from calib.diagnosis.simulation.tone_lines import ToneLines
 from calib.diagnosis.statistics.counts import Counts
+from calib.diagnosis.statistics.peak import Peak
 from calib.diagnosis.statistics.pooled import ONSET_LINES
-from calib.diagnosis.statistics.tones import Peak
 from calib.forward.effect import Effect, Stage
 
 Floats = NDArray[np.float64]

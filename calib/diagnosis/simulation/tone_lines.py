@@ -18,8 +18,8 @@ from calib.diagnosis.simulation.mean_change import scatter_change
 from calib.diagnosis.simulation.sampled_lines import SampledLines, is_tone
 from calib.diagnosis.simulation.with_values import with_values
 from calib.diagnosis.statistics.counts import Counts
+from calib.diagnosis.statistics.peak import Peak
 from calib.diagnosis.statistics.pooled import ONSET_LINES
-from calib.diagnosis.statistics.tones import Peak
 from calib.forward.effect import Effect
 
 Floats = NDArray[np.float64]

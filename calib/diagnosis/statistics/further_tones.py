@@ -16,8 +16,9 @@ from scipy import fft
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import PADDING, BlockSums
 from calib.diagnosis.statistics.exponential_sums import log_chance
+from calib.diagnosis.statistics.peak import Peak
 from calib.diagnosis.statistics.smooth_level import smooth_level
-from calib.diagnosis.statistics.tones import SIGNIFICANT, SLOW, Peak, white_level
+from calib.diagnosis.statistics.tones import SIGNIFICANT, SLOW, white_level
 from calib.diagnosis.statistics.whole_lines import whole_lines
 
 Floats = NDArray[np.float64]

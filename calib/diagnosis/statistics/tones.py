@@ -1,7 +1,6 @@
 """Tones: what stands out of the spectra of a recording's blocks, by line and column frequency."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +8,7 @@ from scipy.ndimage import uniform_filter1d
 
 from calib.diagnosis.statistics.block_sums import PADDING, BlockSums
 from calib.diagnosis.statistics.exponential_sums import log_chance
+from calib.diagnosis.statistics.peak import Peak
 from calib.diagnosis.statistics.smooth_level import smooth_level
 
 Floats = NDArray[np.float64]
@@ -25,49 +25,6 @@ MEDIAN_STD = 1.44
 FAR_ABOVE = 4.0
 SLOW = 3
 """So many half cycles a block are no tone: slow changes have power there."""
-
-
-@dataclass(frozen=True)
-class Peak:
-    """A peak of the spectrum.
-
-    Attributes:
-        cycles_per_line: Its line frequency, -0.5 to 0.5.
-        cycles_along: Cycles along a line's (a frame's) pixels, whole ones, to which those per line
-            come, for a tone that runs on from pixel to pixel; 0 where all pixels share it.
-        squared_amplitude_dn2: Of each block, what the spectrum's floor gives taken off.
-        std_dn2: Its standard deviation.
-        deviance: By which it stands out.
-    """
-
-    cycles_per_line: float
-    cycles_along: int
-    squared_amplitude_dn2: tuple[float, ...]
-    std_dn2: tuple[float, ...]
-    deviance: float
-
-    def squared_amplitude(self, lines: Floats, between: Floats | None = None) -> float:
-        """Return the squared amplitude at this frequency of lines, (n_lines, n_pixels), of mean 0.
-
-        With `between`, (n_lines, k), they are sums of k lines that are given, of these weights.
-        """
-        n, n_pixels = len(lines if between is None else between), lines.shape[1]
-        turns = self.cycles_along + self.cycles_per_line if self.cycles_along else 0.0
-        along = np.exp(-2j * np.pi * turns * np.arange(n_pixels) / n_pixels)
-        down = np.exp(-2j * np.pi * self.cycles_per_line * np.arange(n))
-        # What all pixels of a line have in common has a column of the spectrum of its own.
-        own = lines - lines.mean(axis=1, keepdims=True) if self.cycles_along else lines
-        shares = down if between is None else down @ between
-        power = abs(shares @ (own @ along)) ** 2
-        return float(power * (2.0 / (n * n_pixels)) ** 2)
-
-    def frequencies_hz(self, line_period_s: float) -> tuple[float, ...]:
-        """Return what may be at work, Hz: a tone of that frequency, or of half of it, or folded."""
-        f = self.cycles_per_line
-        if self.cycles_along > 0:
-            return ((self.cycles_along + f) / line_period_s,)
-        folded = (abs(f), 1.0 - abs(f), 1.0 + abs(f))
-        return tuple(x / (k * line_period_s) for x in folded for k in (2.0, 1.0) if x > 0)
 
 
 def find_peaks(sums: Sequence[BlockSums], signal: Floats) -> tuple[Peak, ...]:
@@ -97,8 +54,32 @@ def find_peaks(sums: Sequence[BlockSums], signal: Floats) -> tuple[Peak, ...]:
             peaks += [_peak(*place, sums, used, floors) for place in places]
     best: dict[tuple[int, int], Peak] = {}
     for peak in sorted(peaks, key=lambda p: -p.deviance):
-        best.setdefault((round(peak.cycles_per_line * shape[0] / 4), peak.cycles_along), peak)
-    return tuple(best.values())[:MOST_PEAKS]
+        best.setdefault(_place(peak, shape[0]), peak)
+    best = dict(list(best.items())[:MOST_PEAKS])
+    for peak in [p for p in best.values() if p.cycles_along == 0 and shape[1] > 1]:
+        running_on = _running_on(peak, sums, used, floors)
+        best.setdefault(_place(running_on, shape[0]), running_on)
+    return tuple(best.values())
+
+
+def _place(peak: Peak, n: int) -> tuple[int, int]:
+    """Return what peaks of spectra of `n` line frequencies have in common that are one."""
+    return round(peak.cycles_per_line * n / 4), peak.cycles_along
+
+
+def _running_on(
+    peak: Peak,
+    sums: Sequence[BlockSums],
+    used: Sequence[int],
+    floors: dict[int, NDArray[np.float32]],
+) -> Peak:
+    """Return the place that tells whether a tone which lines share runs on within them.
+
+    Of one of f cycles a line that runs on, less the lines' means, (sinc(f) sinc(1 - f))^2 of the
+    power is seen at 1 - f cycles a line; of an offset of whole lines nothing.
+    """
+    n = len(sums[used[0]].power)
+    return _peak(-round(abs(peak.cycles_per_line) * n) % n, 1, 0.0, sums, used, floors)
 
 
 def _floor(power: NDArray[np.float32]) -> NDArray[np.float32]:

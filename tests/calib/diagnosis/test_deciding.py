@@ -26,7 +26,7 @@ from calib.diagnosis.shapes.shape import Shape
 from calib.diagnosis.signatures.changes import change_of
 from calib.diagnosis.signatures.signature import Signature
 from calib.diagnosis.simulation.fitted_responder import responder_of
-from calib.diagnosis.statistics.tones import Peak
+from calib.diagnosis.statistics.peak import Peak
 from calib.forward.departure import Departure
 from calib.forward.effect import Effect
 from calib.forward.effects.dark_current import DarkCurrent

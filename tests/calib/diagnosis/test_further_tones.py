@@ -15,7 +15,7 @@ from calib.diagnosis.naming.remainder import CERTAIN_SIGMA, looks_at
 from calib.diagnosis.shapes.shape import Shape
 from calib.diagnosis.signatures.signature import Signature
 from calib.diagnosis.statistics.further_tones import FurtherTone, tones_beside
-from calib.diagnosis.statistics.tones import Peak
+from calib.diagnosis.statistics.peak import Peak
 from calib.forward.departure import Departure
 from calib.forward.effects.banding import Banding
 from calib.forward.effects.lamp_flicker import LampFlicker

@@ -8,7 +8,7 @@ import pytest
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.simulation.sampled_lines import sampled_lines
-from calib.diagnosis.statistics.tones import Peak
+from calib.diagnosis.statistics.peak import Peak
 from calib.forward.effects.persistence import Persistence
 from calib.recording.header import Block
 from tests.calib.diagnosis.recordings import plain_model, recorded

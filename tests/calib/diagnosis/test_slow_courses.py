@@ -10,7 +10,7 @@ from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.search import find
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.statistics.block_sums import PADDING
-from calib.diagnosis.statistics.tones import Peak
+from calib.diagnosis.statistics.peak import Peak
 from calib.forward.effects.persistence import Persistence
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 from tests.calib.diagnosis.test_search import contest_of
