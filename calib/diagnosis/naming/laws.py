@@ -67,7 +67,7 @@ def laws(signature: Signature, evidence: Evidence) -> Laws:
     values, place = np.unique(
         _of_blocks(str(variable), evidence, smooth=smooth), return_inverse=True
     )
-    alone = tuple(_scaled(change, (place == k).astype(float)) for k in range(len(values)))
+    alone = tuple(scaled(change, (place == k).astype(float)) for k in range(len(values)))
     most = min(MOST, max(len(values) // 2, 1))
     return Laws(alone, functions(values, course=variable == "time", smooth=smooth), most)
 
@@ -107,7 +107,7 @@ def _onsets(x: Floats) -> Floats:
     return np.asarray(np.quantile(x, (0.25, 0.5, 0.75)))
 
 
-def _scaled(change: Change, by_block: Floats) -> Change:
+def scaled(change: Change, by_block: Floats) -> Change:
     """Return the change of means and pooled statistics, each block's times a factor."""
     return replace(
         change * 0.0,

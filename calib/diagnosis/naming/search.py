@@ -14,6 +14,7 @@ from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.imperfection import left_by_errors
 from calib.diagnosis.naming.laws import open_variable
 from calib.diagnosis.naming.model import Model
+from calib.diagnosis.naming.other_course import follows_signal
 from calib.diagnosis.naming.remainder import unexplained_deviance
 from calib.diagnosis.naming.scores import Score
 from calib.diagnosis.naming.support import supported
@@ -74,9 +75,16 @@ def _outdone(model: Model, opened: Contest, nothing: Model) -> bool:
 
 
 def _is_told(model: Model, contest: Contest) -> bool:
-    """Return whether a model may stand: a law that may be any has no excuse for remainders."""
-    plain = not any(m.course for m in model.members)
-    return plain or unexplained_deviance(model, contest.evidence) == 0.0
+    """Return whether a model may stand: a law that may be any has no excuse for remainders.
+
+    Nor has it one for a course in time that is the signal's.
+    """
+    if not any(m.course for m in model.members):
+        return True
+    if unexplained_deviance(model, contest.evidence) > 0.0:
+        return False
+    members = range(len(model.members))
+    return not any(follows_signal(k, model, contest.evidence) for k in members)
 
 
 def _shaped(freed: Model, contest: Contest) -> Model:
