@@ -13,7 +13,7 @@ from tests.concealed.ideal.correlations import correlation_deviance
 from tests.concealed.ideal.expected import expected
 from tests.concealed.ideal.means import mean_deviance
 from tests.concealed.ideal.scatter import scatter_deviance
-from tests.concealed.ideal.sight import sight, sight_of
+from tests.concealed.ideal.sight import sight
 
 MEANS = [
     ("lamp_drift", "linear"), ("stray_light", "uniform"), ("nonlinearity", "quadratic"),
@@ -112,7 +112,7 @@ def test_every_effect_is_hidden_at_the_lowest_rung_and_clear_at_the_highest() ->
         lows, highs = [], []
         for seed in (25, 26, 27, 28, 29):
             case = case_of(name, kind.shapes[0], 1.0, seed, 200_000)
-            lows.append(sight_of(case.mechanisms_at(0.0)[0], case.setting))
+            lows.append(sight(case_of(name, kind.shapes[0], 0.0, seed, 200_000))[0])
             highs.append(sight(case)[0])
         assert np.median(highs) > 12, name
         assert np.median(lows) < 4, name

@@ -11,7 +11,7 @@ from tests.concealed.generator.case import Case
 from tests.concealed.generator.catalogue import RADIANCE
 from tests.concealed.generator.chain import Chain, TakenBlock, scans
 from tests.concealed.generator.mechanism import Mechanism
-from tests.concealed.generator.scan import Scan
+from tests.concealed.generator.scan import Happened, Memory, Scan, noted
 
 _TEST_SAMPLES = 40
 
@@ -43,6 +43,15 @@ def take_case(case: Case) -> tuple[list[TakenBlock], Answer]:
         if k == middle:
             arrays, tests = _test_images(chain, scan, case, arrays)
     return taken, Answer(_told(case, case.mechanisms, tests), arrays)
+
+
+def happened_in(case: Case) -> Happened:
+    """Return what chance made of the recording, which is drawn once more for that."""
+    memory = Memory()
+    chain = Chain(case.mechanisms, memory, case.rng("noise"))
+    for scan in scans(case.setting.sensor, case.setting.plan):
+        chain.block(scan)
+    return noted(memory)
 
 
 def _told(case: Case, mechanisms: Sequence[Mechanism], tests: dict[str, Any]) -> dict[str, Any]:

@@ -61,14 +61,10 @@ class Case:
     @cached_property
     def mechanisms(self) -> tuple[Mechanism, ...]:
         """What is hidden, at its strength."""
-        return self.mechanisms_at(None)
-
-    def mechanisms_at(self, rung: float | None) -> tuple[Mechanism, ...]:
-        """The same, but all at `rung`; nothing else about them changes."""
         drawn = []
         for place, one in enumerate(self.hidden):
             kind = ALL[one.name]
-            strength = strength_at(kind.reach(self.setting), one.rung if rung is None else rung)
+            strength = strength_at(kind.reach(self.setting), one.rung)
             rng = self.rng(f"mechanism {place}")
             drawn.append(kind.draw(strength, one.shape, self.setting, rng))
         return tuple(drawn)

@@ -11,6 +11,20 @@ from tests.concealed.generator.sensor import Sensor
 
 Memory = dict[str, Any]
 """What a mechanism keeps from block to block, under its name; it belongs to one recording."""
+Happened = dict[str, list[Any]]
+"""What chance made of each block, by the name of the mechanism that made it."""
+_HAPPENED = "happened"
+
+
+def note(memory: Memory, name: str, what: Any) -> None:
+    """Keep what chance made of a block: a filter that knows the truth knows that, too."""
+    memory.setdefault(_HAPPENED, {}).setdefault(name, []).append(what)
+
+
+def noted(memory: Memory) -> Happened:
+    """Return what was kept of all blocks."""
+    found: Happened = memory.get(_HAPPENED, {})
+    return found
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """What a changed distribution of a pixel's codes is worth: 2 n KL(changed, plain).
 
-The plain one may take the changed one's mean, which an offset absorbs.
+The plain one may take the changed one's mean, which an offset absorbs. Of codes that a chance of
+each changes, that is taken as often as it happened.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,9 +12,9 @@ from scipy.special import ndtr
 
 from tests.concealed.generator.mechanism import Mechanism
 from tests.concealed.generator.mechanisms.codes import AdcDnl, BlackClip, StuckBit
-from tests.concealed.generator.mechanisms.collection import CosmicRays
 from tests.concealed.generator.mechanisms.electronics import RtsPixels
 from tests.concealed.generator.mechanisms.unlisted_volts import LinkErrors
+from tests.concealed.generator.scan import Happened
 from tests.concealed.ideal.expected import Expected
 from tests.concealed.ideal.quiet import Floats
 
@@ -24,7 +25,7 @@ Change = Callable[[Expected, tuple[int, int], Floats, Floats], Floats]
 """Block, pixel, codes and their plain probabilities in; changed probabilities out."""
 
 
-def distribution_deviance(one: Mechanism, plain: Sequence[Expected]) -> float:
+def distribution_deviance(one: Mechanism, plain: Sequence[Expected], happened: Happened) -> float:
     """Return it of the effects that change distributions, 0 of all others."""
     change = _change_of(one)
     if change is None:
@@ -36,7 +37,11 @@ def distribution_deviance(one: Mechanism, plain: Sequence[Expected]) -> float:
         every = np.linspace(0, shape[0] * shape[1] - 1, _MOST_PIXELS).astype(int)
         pixels = [(int(p // shape[1]), int(p % shape[1])) for p in every]
         share = shape[0] * shape[1] / len(pixels)
-    return share * sum(_pixel(block, pixel, change) for block in plain for pixel in pixels)
+    found = [_pixel(block, pixel, change) for block in plain for pixel in pixels]
+    if isinstance(one, StuckBit | LinkErrors):
+        times = share * sum(_times(one, block, pixel) for block in plain for pixel in pixels)
+        share *= sum(happened[one.name]) / times if times > 0 else 1.0
+    return share * sum(found)
 
 
 def _pixel(block: Expected, pixel: tuple[int, int], change: Change) -> float:
@@ -83,14 +88,30 @@ def _change_of(one: Mechanism) -> Change | None:
 def _rerouted(
     one: StuckBit | LinkErrors, block: Expected, pixel: tuple[int, int], codes: Floats, p: Floats
 ) -> Floats:
-    top = block.scan.sensor.top_code
-    chance = one.strength * (codes / top if isinstance(one, LinkErrors) else 1.0)
-    if one.shape == "one_tap" and block.scan.sensor.taps[pixel] != 0:
-        return p
-    first = int(codes[0])
+    first, chance = int(codes[0]), _chances(one, block, pixel, codes)
     target = np.clip(one.changed(codes.astype(np.int64)) - first, 0, len(codes) - 1)
     stays = p * (1 - chance)
     return np.asarray(stays + np.bincount(target, p * chance, len(codes)))
+
+
+def _times(one: StuckBit | LinkErrors, block: Expected, pixel: tuple[int, int]) -> float:
+    """Return how many of a pixel's codes are expected to be changed."""
+    mean, sigma = block.dn[0][pixel], np.sqrt(block.variance[0][pixel] - 1 / 12)
+    codes = _codes(mean, sigma, block)
+    moved = one.changed(codes.astype(np.int64)) != codes
+    p = _normal(codes, mean, sigma)
+    return float(block.scan.n_samples * (p * _chances(one, block, pixel, codes))[moved].sum())
+
+
+def _chances(
+    one: StuckBit | LinkErrors, block: Expected, pixel: tuple[int, int], codes: Floats
+) -> Floats:
+    """Return how likely each of `codes` is to be changed."""
+    if one.shape == "one_tap" and block.scan.sensor.taps[pixel] != 0:
+        return np.zeros(len(codes))
+    top = block.scan.sensor.top_code
+    relative = codes / top if isinstance(one, LinkErrors) else np.ones(len(codes))
+    return np.asarray(one.strength * relative)
 
 
 def _uneven(
@@ -116,15 +137,6 @@ def _clipped(
     return np.asarray(np.bincount(target, p, len(codes)), dtype=float)
 
 
-def _tailed(
-    one: Mechanism, block: Expected, pixel: tuple[int, int], codes: Floats, p: Floats
-) -> Floats:
-    gain, read = block.gain[0][pixel], block.scan.sensor.read_noise_e
-    wide = gain * np.sqrt(block.electrons[0][pixel] + 36.0 * read**2)
-    tail = _normal(codes, block.dn[0][pixel], wide)
-    return np.asarray((1 - one.strength) * p + one.strength * tail)
-
-
 def _two_levels(
     one: RtsPixels, block: Expected, pixel: tuple[int, int], codes: Floats, p: Floats
 ) -> Floats:
@@ -135,23 +147,10 @@ def _two_levels(
     return np.asarray((1 - up) * p + up * high)
 
 
-def _hit(
-    one: CosmicRays, block: Expected, pixel: tuple[int, int], codes: Floats, p: Floats
-) -> Floats:
-    length = {"short": 2.7, "long": 20.5, "halo": 7.0}[one.shape]
-    chance, sigma = one.events_per_pixel * length, np.sqrt(block.variance[0][pixel] - 1 / 12)
-    mean_dn = one.strength / length * block.gain[0][pixel]
-    added = -np.log1p(-(np.arange(12) + 0.5) / 12) * mean_dn
-    hits = [_normal(codes, block.dn[0][pixel] + dn, sigma) for dn in added]
-    return np.asarray((1 - chance) * p + chance * np.mean(hits, axis=0))
-
-
 _BY_NAME: dict[str, Callable[..., Floats]] = {
     "stuck_bit": _rerouted,
     "link_errors": _rerouted,
     "adc_dnl": _uneven,
     "black_clip": _clipped,
-    "heavy_tailed_noise": _tailed,
     "rts_pixels": _two_levels,
-    "cosmic_rays": _hit,
 }

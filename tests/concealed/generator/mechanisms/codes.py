@@ -9,7 +9,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from tests.concealed.generator.mechanism import Mechanism, Pixels, Stage
-from tests.concealed.generator.scan import Memory, Scan
+from tests.concealed.generator.scan import Memory, Scan, note
 from tests.concealed.generator.setting import Setting
 
 
@@ -115,7 +115,9 @@ class StuckBit(Mechanism):
     def act(self, signal: Pixels, scan: Scan, memory: Memory, rng: Generator) -> Pixels:
         stuck = self.changed(signal)
         chance = self.strength * ((scan.sensor.taps == 0) if self.shape == "one_tap" else 1.0)
-        return np.where(rng.random(scan.shape) < chance, stuck, signal)
+        codes = np.where(rng.random(scan.shape) < chance, stuck, signal)
+        note(memory, self.name, int((codes != signal).sum()))
+        return codes
 
 
 @dataclass(frozen=True)
@@ -181,6 +183,7 @@ class DuplicatedLines(Mechanism):
             sent, half = signal.copy(), scan.sensor.columns // 2
             for k in twice[twice > 0]:
                 sent[k, :, half:] = signal[k - 1, :, half:]
+            note(memory, self.name, int((twice > 0).sum()))
             return sent
         order = np.arange(scan.n_samples)
         if self.shape == "pairs":
@@ -188,4 +191,6 @@ class DuplicatedLines(Mechanism):
                 order = np.insert(order, min(k + 2, len(order)), order[k : k + 2])
         else:
             order = np.repeat(order, 1 + np.isin(order, twice))
-        return signal[order[: scan.n_samples]]
+        order = order[: scan.n_samples]
+        note(memory, self.name, scan.n_samples - len(np.unique(order)))
+        return signal[order]

@@ -9,8 +9,18 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from tests.concealed.generator.mechanism import Mechanism, Pixels, Stage, thinned
-from tests.concealed.generator.scan import Memory, Scan
+from tests.concealed.generator.scan import Memory, Scan, note
 from tests.concealed.generator.setting import Setting
+
+
+@dataclass(frozen=True)
+class Track:
+    """Charge that a particle leaves in pixels side by side, the first of which is told."""
+
+    sample: int
+    row: int
+    first: int
+    charge_e: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -35,13 +45,15 @@ class CosmicRays(Mechanism):
 
     def act(self, signal: Pixels, scan: Scan, memory: Memory, rng: Generator) -> Pixels:
         columns = scan.sensor.columns
-        hit = signal.copy()
+        hit, tracks = signal.copy(), list[Track]()
         for _ in range(rng.poisson(self.events_per_pixel * signal.size)):
             line, row, first = (int(rng.integers(size)) for size in scan.shape)
             places = np.arange(first, min(first + self._length(rng), columns))
             shares = self._shares(len(places), rng)
             charge = rng.poisson(rng.exponential(self.strength))
-            hit[line, row, places] += rng.multinomial(charge, shares)
+            tracks.append(Track(line, row, first, rng.multinomial(charge, shares)))
+            hit[line, row, places] += tracks[-1].charge_e
+        note(memory, self.name, tracks)
         return hit
 
     def _length(self, rng: Generator) -> int:

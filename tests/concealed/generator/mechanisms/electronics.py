@@ -9,7 +9,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from tests.concealed.generator.mechanism import Mechanism, Pixels, Stage, drifting_sign
-from tests.concealed.generator.scan import Memory, Scan, column
+from tests.concealed.generator.scan import Memory, Scan, column, note
 from tests.concealed.generator.setting import Setting
 
 
@@ -130,6 +130,14 @@ class RtsPixels(Mechanism):
 
 
 @dataclass(frozen=True)
+class Outlying:
+    """Reads of a block with noise of another kind: which of its samples, flat, and how much."""
+
+    sample: NDArray[np.intp]
+    noise_e: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class HeavyTailedNoise(Mechanism):
     """A share `strength` of the reads has noise of another kind."""
 
@@ -161,6 +169,7 @@ class HeavyTailedNoise(Mechanism):
             noise[other] = rng.exponential(6.0 * sigma, drawn)
         else:
             noise[other] = 6.0 * sigma * rng.standard_normal(drawn)
+        note(memory, self.name, Outlying(np.flatnonzero(other), noise[other]))
         return noise
 
 

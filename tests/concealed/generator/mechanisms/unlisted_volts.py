@@ -9,7 +9,7 @@ from numpy.random import Generator
 
 from tests.concealed.generator.mechanism import Mechanism, Pixels, Stage, drifting_sign
 from tests.concealed.generator.mechanisms.drifts import offset_limit
-from tests.concealed.generator.scan import Memory, Scan
+from tests.concealed.generator.scan import Memory, Scan, note
 from tests.concealed.generator.setting import Setting
 
 
@@ -119,7 +119,9 @@ class LinkErrors(Mechanism):
 
     def act(self, signal: Pixels, scan: Scan, memory: Memory, rng: Generator) -> Pixels:
         chance = self.strength * signal / scan.sensor.top_code
-        return np.where(rng.random(scan.shape) < chance, self.changed(signal), signal)
+        codes = np.where(rng.random(scan.shape) < chance, self.changed(signal), signal)
+        note(memory, self.name, int((codes != signal).sum()))
+        return codes
 
 
 @dataclass(frozen=True)
