@@ -1,11 +1,11 @@
 """Pixels whose samples scatter more than their means explain, by the same variance in all blocks.
 
 A pixel that jumps between two levels a apart, and is up for the share u of the time, has the
-variance a^2 u (1 - u) beside that of its noise (Kirton and Uren, Adv. Phys. 38, 367 (1989)),
-whatever the light and however long it is gathered. Of n lines a variance v is told to
-2 v^2 / (n - 1), and so blocks of little noise tell most of what is added. What dark current or
-light makes of a pixel's noise grows with them, and is told from jumps by which of the two explains
-more of it.
+variance a^2 u (1 - u) beside that of its noise, whatever the light and however long it is gathered,
+and stays in its level for some time (Kirton and Uren, Adv. Phys. 38, 367 (1989)): what it differs
+by lasts from line to line, or does not where it jumps often, whichever is clearer. Blocks of little
+noise tell most of what is added. What dark current or light makes of a pixel's noise grows with
+them, and is told from jumps by which of the two explains more of it.
 """
 
 from dataclasses import dataclass
@@ -14,14 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.statistics.noisy import NOISY_SIGMA, beyond, few
+from calib.diagnosis.evidence.growing import CLEAR
+from calib.diagnosis.evidence.pixel_scatter import (
+    MOST_OF_A_BLOCK,
+    lasting_scatter,
+    white_scatter,
+)
+from calib.diagnosis.statistics.noisy import beyond, few
 
 Floats = NDArray[np.float64]
 
-MOST_OF_A_BLOCK = 5.5
-"""Standard deviations for which one block counts at the most: single samples far out raise the
-variance of a block by any amount, and jumps that of most. Two blocks alone, as the only dark ones
-among lit ones, in whose noise jumps are lost, come to 5.5 sqrt(2) = 7.8; one does not come to 6."""
 SHOWS = 2.0
 """Standard deviations by which a block's variance is at least larger, where jumps add 5.5."""
 ALIKE = 0.95
@@ -51,13 +53,14 @@ class Jumping:
 
 def jumping_pixels(evidence: Evidence) -> Jumping:
     """Return the pixels that jump; none where they are many."""
-    expected = _expected(evidence)
-    measured = np.stack([each.variance_dn2.ravel() for each in evidence.sums])
-    weight = np.maximum(evidence.n - 1.0, 0.0)[:, None] / (2.0 * expected**2)
-    excess = measured - expected
-    held = np.minimum(np.sqrt(weight) * excess, MOST_OF_A_BLOCK)
-    z = (np.sqrt(weight) * held).sum(axis=0) / np.sqrt(np.maximum(weight.sum(axis=0), 1e-300))
-    far = beyond(z, z) > NOISY_SIGMA
+    expected = expected_variance(evidence)
+    white, lasting = (each(evidence, expected) for each in (white_scatter, lasting_scatter))
+    lasts = beyond(lasting.sigma, lasting.sigma) > beyond(white.sigma, white.sigma)
+    # The largest of all has 2 ln(pixels) by chance.
+    clear = np.sqrt(CLEAR + 2.0 * np.log(len(lasts)))
+    scatter = lasting.where(lasts, white)
+    weight, excess, z = scatter.weight, scatter.excess, scatter.sigma
+    far = np.where(lasts, beyond(z, lasting.sigma), beyond(z, white.sigma)) > clear
     ones = np.ones((evidence.n_blocks, 1))
     exposure = evidence.table.exposure_us[:, None] * ones
     light = np.maximum(evidence.signal_dn, 0.0)[:, None]
@@ -66,9 +69,10 @@ def jumping_pixels(evidence: Evidence) -> Jumping:
     pixels = few(np.flatnonzero(far), len(z))
     added = np.average(excess[:, pixels], axis=0, weights=weight[:, pixels])
     added = np.maximum(added, 0.0)
-    lasts = _shows_where_it_would(np.sqrt(weight[:, pixels]), excess[:, pixels], added)
-    pixels, added = pixels[lasts], added[lasts]
-    return Jumping(pixels, added, _deviance(evidence.n, expected[:, pixels], added))
+    shows = _shows_where_it_would(np.sqrt(weight[:, pixels]), excess[:, pixels], added)
+    pixels, added = pixels[shows], added[shows]
+    of_squares = _deviance(evidence.n, expected[:, pixels], added)
+    return Jumping(pixels, added, np.maximum(of_squares, np.where(lasts, z, 0.0)[pixels] ** 2))
 
 
 def _shows_where_it_would(root: Floats, excess: Floats, added: Floats) -> NDArray[np.bool_]:
@@ -90,7 +94,7 @@ def _deviance(n: Floats, expected: Floats, added: Floats) -> Floats:
     return np.asarray(((n[:, None] - 1.0) * (ratio - 1.0 - np.log(ratio))).sum(axis=0))
 
 
-def _expected(evidence: Evidence) -> Floats:
+def expected_variance(evidence: Evidence) -> Floats:
     """Return the variance of each pixel's samples, dark charge's shot noise with it."""
     expected = evidence.baseline.variance_dn2.reshape(evidence.n_blocks, -1).copy()
     growing = evidence.growing

@@ -1,7 +1,8 @@
 import numpy as np
 from numpy.random import default_rng
 
-from calib.diagnosis.evidence.jumping import jumping_pixels
+from calib.diagnosis.evidence.jumping import expected_variance, jumping_pixels
+from calib.diagnosis.evidence.pixel_scatter import lasting_scatter
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.shapes.told_shapes import told_shapes
 from calib.diagnosis.statistics.gather import block_sums
@@ -65,3 +66,27 @@ def test_two_dark_blocks_tell_jumps_that_the_noise_of_light_hides() -> None:
         jumping = RtsPixels(amplitude_dn=5.0, share=0.03, dwell_up_s=0.001, dwell_down_s=0.001)
         found = jumping_pixels(recorded(plain_model(COLUMNS), kept, rng, (jumping,)))
         assert found.pixels.tolist() == jumping.pixels((COLUMNS,)).tolist()
+
+
+def test_jumps_that_last_for_lines_are_found_where_their_variance_alone_is_too_little() -> None:
+    found, told = 0, 0
+    for rng in default_rng().spawn(4):
+        # A scatter of 0.85 DN beside 1.2 DN of noise; four fifths of it last to the next line.
+        jumping = RtsPixels(amplitude_dn=1.7, share=0.03, dwell_up_s=0.015, dwell_down_s=0.015)
+        evidence = recorded(plain_model(COLUMNS), plan(rng, 60), rng, (jumping,))
+        pixels, places = jumping_pixels(evidence).pixels, jumping.pixels((COLUMNS,))
+        assert np.isin(pixels, places).all()
+        found, told = found + len(pixels), told + len(places)
+    # Two in three, where variances alone tell one in seven.
+    assert found > told / 5
+
+
+def test_sums_of_products_of_lines_are_normal_numbers_by_chance() -> None:
+    z = []
+    for rng in default_rng().spawn(3):
+        evidence = recorded(plain_model(COLUMNS), plan(rng, 24), rng, ())
+        z.append(lasting_scatter(evidence, expected_variance(evidence)).sigma)
+    every = np.concatenate(z)
+    # Less than 1, for lines about their mean hold less than so many of noise.
+    assert 0.7 < every.std() < 1.15
+    assert np.abs(every).max() < 5.5
