@@ -4,7 +4,8 @@ Counts of what is far out are summed and whitened so that fits are linear; a han
 where chance makes none is worth far more than their number. What the samples themselves say, less
 what the sums do, is a credit of the name. Both names are credited with what either explains, so
 together they are charged what they share. Where bits that flip explain the samples better, names
-are credited with what they explain beside those.
+are credited with what they explain beside those. Readings that only rise are tails, too, unlike the
+tracks in that nothing is beside them and that they follow no exposure.
 """
 
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from calib.diagnosis.shapes.far_likelihood import (
     flipped,
     hit,
     most_likely,
+    raised,
     tailed,
 )
 from calib.diagnosis.statistics.rare import SINGLE
@@ -60,7 +62,8 @@ def far_credit(evidence: Evidence) -> FarCredit:
     events = far_events(evidence)
     if len(events.off_dn) == 0:
         return FarCredit(0.0, 0.0, 0.0)
-    tails, tails_alone = _best([tailed(events, evidence, x) for x in TAIL_NOISES], [])
+    of_tails_tried = [each(events, evidence, x) for each in (tailed, raised) for x in TAIL_NOISES]
+    tails, tails_alone = _best(of_tails_tried, [])
     rays, rays_alone = _best([hit(events, evidence, x) for x in CHARGE_NOISES], [])
     beside = _flips(events, evidence, max(tails_alone, rays_alone))
     of_tails, of_rays, both = (
@@ -68,7 +71,7 @@ def far_credit(evidence: Evidence) -> FarCredit:
     )
     sums = evidence.rare_space.whitened(evidence.rare_space.seen) ** 2
     above, below, tracks = sums[: len(SINGLE) * EVERY_NOISE].reshape(len(SINGLE), -1).sum(axis=1)
-    tried = [2.0 * log(len(each)) for each in (TAIL_NOISES, CHARGE_NOISES)]
+    tried = [2.0 * log(len(each)) for each in (of_tails_tried, CHARGE_NOISES)]
     of_tails = _credited(of_tails - tried[0], above + below)
     of_rays = _credited(of_rays - tried[1], above + tracks)
     both = max(_credited(both - sum(tried), above + below + tracks), of_tails, of_rays)

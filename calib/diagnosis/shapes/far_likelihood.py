@@ -39,6 +39,20 @@ def tailed(events: FarEvents, evidence: Evidence, noises: float) -> tuple[Floats
     return _ratio(log_ratio + by_chance), float((_samples(evidence) * far).sum())
 
 
+def raised(events: FarEvents, evidence: Evidence, noises: float) -> tuple[Floats, float]:
+    """Return density ratios of readings that only rise, by `noises` times the read noise, likewise.
+
+    Each has the density of a charge, whatever is beside it, and as often in any exposure.
+    """
+    base = evidence.baseline
+    mean = noises * np.sqrt(events.read_dn2)
+    log_ratio = _charged(events.off_dn, events.variance_dn2, mean) - events.null
+    sigma = np.sqrt(base.variance_dn2.reshape(evidence.n_blocks, -1))
+    q = noises * np.sqrt(base.read_variance_dn2[evidence.sensor.tap].ravel())
+    far = np.exp(_charged(LEAST_SIGMA * sigma, sigma**2, q)) * q + ndtr(-LEAST_SIGMA)
+    return _ratio(log_ratio), float((_samples(evidence) * far).sum())
+
+
 def hit(events: FarEvents, evidence: Evidence, noises: float) -> tuple[Floats, float]:
     """Return density ratios of charges, of `noises` times the read noise on average, likewise."""
     base = evidence.baseline

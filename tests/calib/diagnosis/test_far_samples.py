@@ -2,10 +2,11 @@ from math import exp
 
 import numpy as np
 import pytest
-from numpy.random import default_rng
+from numpy.random import Generator, default_rng
 from scipy.special import gammaln, logsumexp
 from scipy.stats import norm
 
+from calib.arrays import Lines
 from calib.diagnosis.naming.search import THRESHOLD
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.shapes.far_credit import FarCredit, far_credit
@@ -13,6 +14,7 @@ from calib.diagnosis.shapes.far_events import log_density
 from calib.diagnosis.shapes.far_likelihood import most_likely
 from calib.diagnosis.statistics.far_samples import LEAST_SIGMA
 from calib.diagnosis.statistics.gather import block_sums
+from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect
 from calib.forward.effects.cosmic_rays import CosmicRays
 from calib.forward.effects.heavy_tailed_noise import HeavyTailedNoise
@@ -82,9 +84,17 @@ def test_two_readings_of_heavy_tails_are_certain_where_their_number_is_not() -> 
     assert _deviance(np.array([9.0, -9.0])) > 3.0 * THRESHOLD
 
 
-def _credit(*effects: Effect) -> FarCredit:
+class Raised(HeavyTailedNoise):
+    """Readings that only rise: in each its own, whatever the exposure."""
+
+    def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:
+        up = np.where(rng.random(signal.shape) < self.share, self.std_e, 0.0)
+        return np.asarray(signal + up * rng.exponential(1.0, signal.shape))
+
+
+def _credit(*effects: Effect, columns: int = 96) -> FarCredit:
     rng = default_rng()
-    return far_credit(recorded(plain_model(96), plan(rng, 100, twice=0), rng, effects))
+    return far_credit(recorded(plain_model(columns), plan(rng, 100, twice=0), rng, effects))
 
 
 def test_names_are_credited_with_their_own_samples() -> None:
@@ -95,6 +105,12 @@ def test_names_are_credited_with_their_own_samples() -> None:
     assert tails.tails > tails.rays + THRESHOLD
     assert rays.rays > rays.tails + THRESHOLD
     assert clean.tails + clean.rays < THRESHOLD
+
+
+def test_readings_that_only_rise_are_no_tracks() -> None:
+    # Each tells them apart by 0.7 of deviance, of some 130; as tails of both signs, by -4.
+    found = _credit(Raised(share=2e-3, std_e=72.0), columns=512)
+    assert found.tails > found.rays - THRESHOLD
 
 
 def test_bits_that_stick_are_credited_to_neither() -> None:
