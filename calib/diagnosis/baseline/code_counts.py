@@ -101,8 +101,10 @@ class CodeCounts:
         above = np.arange(whole) >= self._lowest + NEAR_END
         counts = (above * x[:whole] for x in (self.observed, self.expected))
         seen, due = (x.reshape(-1, period).sum(axis=0) for x in counts)
+        if not due.all() or not seen.any():
+            return np.ones(period)
         ratio = seen / np.maximum(due, 1.0)
-        return np.asarray(ratio / ratio.mean()) if ratio.all() else np.ones(period)
+        return np.asarray(ratio / ratio.mean())
 
     def high_bits(self, share: Floats) -> Floats:
         """Return by how many standard deviations bits beyond the comb are set too often."""

@@ -33,6 +33,7 @@ def unfitted(score: Score) -> Member:
     signature = score.signature
     ratio = abs(score.amplitude) ** (1.0 / signature.power)
     strength = float(np.sign(score.amplitude) * ratio * signature.strength)
+    strength = min(strength, signature.shape.most)
     if signature.shape.fixed:
         strength = 1.0
     return Member(

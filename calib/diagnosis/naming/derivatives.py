@@ -108,6 +108,9 @@ def _by_strength(
         power = 1.0 if linear else member.signature.power
         return alone * (power / member.strength)
     size = RELATIVE_STEP * (abs(member.strength) or member.signature.strength)
+    if member.strength + size > member.signature.shape.most:
+        # At the end of its range, as a bit that always sticks, it can only be less.
+        size = -size
     trial = replace(member, strength=member.strength + size)
     return _slope(k, trial, size, members, change, evidence, responder)
 

@@ -171,10 +171,14 @@ def _stepped(members: Sequence[Member], steps: Floats) -> tuple[Member, ...]:
 
 
 def _moved(member: Member, step: float) -> float:
-    """Return the strength one step on; one that has a sign keeps it and shrinks by 4 at most."""
+    """Return the strength one step on; one that has a sign keeps it and shrinks by 4 at most.
+
+    Beyond the bounds of its parameters it would change nothing.
+    """
     if member.signature.shape.fixed:
         return member.strength
     strength = member.strength + step
     if member.signature.shape.two_sided:
         return strength
-    return min(max(strength, 0.25 * member.strength), 10.0 * member.strength)
+    most = min(10.0 * member.strength, member.signature.shape.most)
+    return min(max(strength, 0.25 * member.strength), most)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf
 
 from calib.diagnosis.simulation.with_values import with_values
 from calib.forward.departure import Departure
@@ -60,6 +61,19 @@ class Shape:
             else:
                 values[name] = _held(neutral + strength * unit, low, high)
         return with_values(self.template, values)
+
+    @property
+    def most(self) -> float:
+        """The largest strength at which none of what it scales is at a bound; of two signs, any."""
+        if self.two_sided:
+            return inf
+        told, ends = parameters_of(type(self.template)), [inf]
+        for name, unit, neutral in self.varied:
+            parameter = told[name]
+            for each in unit if isinstance(unit, tuple) else (unit,):
+                end = parameter.high if each > 0.0 else parameter.low
+                ends += [(end - neutral) / each] if each else []
+        return min(ends)
 
     @property
     def inner(self) -> tuple[str, ...]:

@@ -28,3 +28,10 @@ def test_codes_that_are_all_as_wide_are_neither_rough_nor_too_smooth(most: float
 @pytest.mark.parametrize("most", [1e4, 1e6])
 def test_codes_that_are_wide_and_narrow_are_rough(most: float) -> None:
     assert drawn(most, uneven=0.05) > 10.0
+
+
+def test_codes_that_never_come_are_a_comb_too() -> None:
+    code = np.arange(1024)
+    expected = 1e4 * np.exp(-0.5 * ((code - 500.0) / 150.0) ** 2)
+    counts = CodeCounts(expected * 2.0 * (code % 2), expected)
+    np.testing.assert_allclose(counts.comb(2), [0.0, 2.0], atol=1e-3)
