@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.baseline.baseline import Baseline
 from calib.diagnosis.baseline.code_contrasts import CodeContrasts
+from calib.diagnosis.baseline.code_likelihood import CodeLikelihood
 from calib.diagnosis.baseline.expected_codes import about_means, fine_blocks, own_means_hidden
 from calib.diagnosis.statistics.block_sums import BlockSums
 
@@ -36,11 +37,13 @@ class CodeCounts:
         observed: Of all blocks that count, (n_codes,).
         expected: Likewise.
         of_blocks: Expected of each of these blocks.
+        noise: Standard deviation of its samples before rounding, DN, likewise.
     """
 
     observed: Floats
     expected: Floats
     of_blocks: dict[int, Floats] = field(default_factory=dict)
+    noise: dict[int, float] = field(default_factory=dict)
 
     @classmethod
     def of(cls, sums: Sequence[BlockSums], baseline: Baseline) -> "CodeCounts":
@@ -60,7 +63,14 @@ class CodeCounts:
             )
             for b in np.flatnonzero(fine).tolist()
         }
-        return cls(observed, sum(of_blocks.values(), np.zeros(n_codes)), of_blocks)
+        before = np.maximum(baseline.variance_dn2.mean(axis=(1, 2)) - 1.0 / 12.0, 0.01)
+        noise = {b: float(np.sqrt(before[b])) for b in of_blocks}
+        return cls(observed, sum(of_blocks.values(), np.zeros(n_codes)), of_blocks, noise)
+
+    @cached_property
+    def likelihood(self) -> CodeLikelihood:
+        """How likely counts of single codes are."""
+        return CodeLikelihood(self.of_blocks, self.noise)
 
     @cached_property
     def samples(self) -> float:

@@ -23,6 +23,8 @@ from calib.diagnosis.naming.model import Member, Model
 from calib.diagnosis.naming.refit import misfit, refitted
 from calib.diagnosis.naming.scores import Score, best_by_name, scores, sharpened
 from calib.diagnosis.shapes.shape import Shape
+from calib.diagnosis.signatures.changes import change_of
+from calib.diagnosis.signatures.code_credit import with_code_credit
 from calib.diagnosis.signatures.signature import Signature, beside_faults
 from calib.diagnosis.simulation.response import Responder
 from calib.forward.code_fault import CodeFault
@@ -76,9 +78,20 @@ class Contest:
     def _scored(self, model: Model, k: int | None) -> list[Score]:
         """Return what each shape explains, as its signature was taken first."""
         named = {m.signature.shape.name for m in model.members}
-        left = [s for s in self.signatures if s.shape.name not in named]
-        left = beside_faults(left, _faults(model, k), self.evidence, self.responder)
+        others = [s for s in self.signatures if s.shape.name not in named]
+        left = self._beside_codes(others, model, k)
         return scores(left, self._left(model, k), self._of_others(model, k), self.evidence)
+
+    def _beside_codes(
+        self, left: Sequence[Signature], model: Model, k: int | None
+    ) -> Sequence[Signature]:
+        """Return signatures of errors of codes beside those that the other members are."""
+        left = beside_faults(left, _faults(model, k), self.evidence, self.responder)
+        others = tuple(m.effect for j, m in enumerate(model.members) if j != k)
+        if not others:
+            return left
+        told = change_of(others, self.evidence, self.responder).codes[0]
+        return with_code_credit(left, self.evidence, told) if told.any() else left
 
     def _sharp(self, ranked: Sequence[Score], model: Model, k: int | None) -> list[Score]:
         """Return the same with the best of the signatures taken anew."""

@@ -92,8 +92,11 @@ def explained_by(k: int, model: Model, contest: Contest) -> dict[str, Explained]
 
 
 def _explained(deviance: float, price: float, shape: Shape) -> Explained:
-    """Return what is explained with what whitened counts have less of, which is no price."""
-    credit = max(-shape.cost, 0.0)
+    """Return what is explained with what whitened counts have less of, or more, which is no price.
+
+    What single codes contradict hangs on shapes as all that is explained does.
+    """
+    credit = max(-shape.cost, 0.0) + min(shape.credit, 0.0)
     rates = [unit for name, unit, _ in shape.varied if name == RATES and isinstance(unit, tuple)]
     pixels = min(float(sum(map(len, rates))), shape.freedom)
     return Explained(deviance + credit, price + credit, pixels)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
+from calib.diagnosis.diagnose import examine
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.shapes.told_shapes import told_shapes
 from calib.diagnosis.signatures.all_signatures import all_signatures
@@ -45,6 +46,27 @@ def test_what_single_codes_contradict_has_a_price(
         assert cost[StuckBit.name] > cost[effect.name] + 24.0
     else:
         assert cost[effect.name] < cost[AdcDnl.name] + 24.0
+
+
+def test_a_weak_comb_is_credited_with_what_its_counts_say() -> None:
+    evidence = drawn(AdcDnl(0.0, widths_dn=(1.03, 0.97), bit_depth=BITS))
+    shapes = [told_shapes(evidence)[AdcDnl.name]]
+    signatures = all_signatures(shapes, evidence, responder_of(evidence), lambda _: None)
+    most = max(each.shape.credit for each in with_code_credit(signatures, evidence))
+    counts = evidence.code_counts
+    numbers = counts.whitened(counts.residual())
+    # 0.03^2 of 92,000 samples and more are 83 of deviance, a normal number of 9.1 squared.
+    told = most + max(float(numbers @ numbers) - len(numbers), 0.0)
+    assert told > (9.1 - 4.5) ** 2
+
+
+@pytest.mark.parametrize("value", [0, 1])
+def test_a_lowest_bit_that_always_sticks_is_named(value: int) -> None:
+    rng, always = default_rng(), StuckBit(1.0, 0, value)
+    evidence = recorded(plain_model(96, bits=BITS), plan(rng, 80, twice=0), rng, (always,))
+    found = examine(evidence).diagnosis.findings
+    # Every other code missing is the same.
+    assert found[0].effect.name in {StuckBit.name, AdcDnl.name}
 
 
 def test_codes_of_widths_are_those_that_are_counted() -> None:
