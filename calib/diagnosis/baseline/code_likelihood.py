@@ -45,9 +45,12 @@ class CodeLikelihood:
             seen: Observed less expected samples by code, (n_codes,).
             told: By what a cause changes them at some strength, likewise.
         """
-        own = self._whitened(told)
-        along, length2 = max(float(own @ self._freed(seen)), 0.0), float(own @ self._freed(told))
-        return along**2 / max(length2, 1e-300)
+        along = max(float(self._whitened(told) @ self._freed(seen)), 0.0)
+        return along**2 / max(self.worth(told), 1e-300)
+
+    def worth(self, told: Floats) -> float:
+        """Return the deviance between counts that a cause changes so and those without it."""
+        return float(self._whitened(told) @ self._freed(told))
 
     def of_any_widths(self, seen: Floats) -> float:
         """Return the same of codes each of which is off by a normal number of its own.

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.signatures.signature import Signature
+from calib.diagnosis.signatures.template_error import temper
 from calib.forward.effects.adc_dnl import AdcDnl
 from calib.forward.effects.stuck_bit import StuckBit
 
@@ -35,10 +36,13 @@ def with_code_credit(
         evidence: The recording's.
         told: Change of code shares by what is found already, (n_codes,), which is no one else's.
     """
-    left = evidence.code_counts.residual()[0]
-    left = left if told is None else left - told
+    left, counted = evidence.code_counts.residual()[0], 1.0
+    if told is not None:
+        # What is left beside that scatters by what it may err by, too.
+        counts = evidence.code_counts
+        left, counted = left - told, temper(counts.likelihood.worth(told * counts.samples))
     gains = {
-        k: _gain(each, left, evidence)
+        k: counted * _gain(each, left, evidence)
         for k, each in enumerate(signatures)
         if _is_told_code_by_code(each)
     }

@@ -6,6 +6,7 @@ from numpy.random import default_rng
 
 from calib.diagnosis.diagnose import examine
 from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.search import THRESHOLD
 from calib.diagnosis.shapes.told_shapes import told_shapes
 from calib.diagnosis.signatures.all_signatures import all_signatures
 from calib.diagnosis.signatures.changes import change_of
@@ -58,6 +59,18 @@ def test_a_weak_comb_is_credited_with_what_its_counts_say() -> None:
     # 0.03^2 of 92,000 samples and more are 83 of deviance, a normal number of 9.1 squared.
     told = most + max(float(numbers @ numbers) - len(numbers), 0.0)
     assert told > (9.1 - 4.5) ** 2
+
+
+def test_what_a_strong_comb_errs_by_is_no_other_name() -> None:
+    strong = AdcDnl(0.0, widths_dn=(1.6, 0.4), bit_depth=BITS)
+    evidence = drawn(strong)
+    responder = responder_of(evidence)
+    shapes = [told_shapes(evidence)[StuckBit.name]]
+    signatures = all_signatures(shapes, evidence, responder, lambda _: None)
+    # 5 % of 0.6, squared, of 92,000 samples and more are 83 of deviance.
+    told = 0.95 * change_of((strong,), evidence, responder).codes[0]
+    found = with_code_credit(signatures, evidence, told)
+    assert max(each.shape.credit for each in found) < THRESHOLD
 
 
 @pytest.mark.parametrize("value", [0, 1])
