@@ -129,7 +129,7 @@ class Evidence:
             self.rare_space.seen,
             excess_variance(self.sums, self.baseline, self.counts),
             self.code_counts.residual(),
-            self._tone_scale.seen_dn2,
+            self._tone_scale.observed_dn2,
             self.misfit(self.observed_means, observed=True),
             self.monitor.observed,
         )  # fmt: skip

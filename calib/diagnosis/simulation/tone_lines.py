@@ -64,7 +64,7 @@ class ToneLines:
         found = np.zeros((n_blocks, len(peaks)))
         for blocks in self.phases:
             centred = [each - each.mean() for each in blocks]
-            squares = [[peak.squared_amplitude(each) for peak in peaks] for each in centred]
+            squares = [[_squared(peak, each) for peak in peaks] for each in centred]
             found += np.array(squares).reshape(found.shape) / len(self.phases)
         return found
 
@@ -88,6 +88,15 @@ class ToneLines:
             for b, lines in enumerate(blocks):
                 ratio[b] += lines.var(axis=0) / variance[b].ravel() / len(self.phases)
         return ratio
+
+
+def _squared(peak: Peak, lines: Floats) -> float:
+    """Return the squared amplitude at a peak, as all lines of a spectrum tell it.
+
+    Of few lines a tone has more of its power at a frequency beside its own.
+    """
+    seen = peak.share_seen(peak.n_lines) / peak.share_seen(len(lines))
+    return peak.squared_amplitude(lines) * seen
 
 
 def _a_quarter_on(effect: Effect) -> Effect:

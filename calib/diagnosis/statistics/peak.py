@@ -19,6 +19,8 @@ class Peak:
         squared_amplitude_dn2: Of each block, what the spectrum's floor gives taken off.
         std_dn2: Its standard deviation.
         deviance: By which it stands out; 0 of a place that is looked at for another's sake.
+        between: How far from there the tone lies, cycles per line: between two frequencies.
+        n_lines: Of which the spectra were taken.
     """
 
     cycles_per_line: float
@@ -26,6 +28,8 @@ class Peak:
     squared_amplitude_dn2: tuple[float, ...]
     std_dn2: tuple[float, ...]
     deviance: float
+    between: float = 0.0
+    n_lines: int = 1
 
     @property
     def stands_out(self) -> bool:
@@ -47,9 +51,14 @@ class Peak:
         power = abs(shares @ (own @ along)) ** 2
         return float(power * (2.0 / (n * n_pixels)) ** 2)
 
+    def share_seen(self, n_lines: int) -> float:
+        """Return how much of the tone's squared amplitude `n_lines` lines have at the peak."""
+        across = np.sinc(n_lines * self.between) / np.sinc(self.between)
+        return float(across**2)
+
     def frequencies_hz(self, line_period_s: float) -> tuple[float, ...]:
         """Return what may be at work, Hz: a tone of that frequency, or of half of it, or folded."""
-        f = self.cycles_per_line
+        f = self.cycles_per_line + self.between
         if self.cycles_along > 0:
             return ((self.cycles_along + f) / line_period_s,)
         folded = (abs(f), 1.0 - abs(f), 1.0 + abs(f))

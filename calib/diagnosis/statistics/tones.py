@@ -1,6 +1,7 @@
 """Tones: what stands out of the spectra of a recording's blocks, by line and column frequency."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,7 @@ from scipy.ndimage import uniform_filter1d
 
 from calib.diagnosis.statistics.block_sums import PADDING, BlockSums
 from calib.diagnosis.statistics.exponential_sums import log_chance
+from calib.diagnosis.statistics.off_place import off_place, places_beside
 from calib.diagnosis.statistics.peak import Peak
 from calib.diagnosis.statistics.smooth_level import smooth_level
 
@@ -79,7 +81,9 @@ def _running_on(
     power is seen at 1 - f cycles a line; of an offset of whole lines nothing.
     """
     n = len(sums[used[0]].power)
-    return _peak(-round(abs(peak.cycles_per_line) * n) % n, 1, 0.0, sums, used, floors)
+    found = _peak(-round(abs(peak.cycles_per_line) * n) % n, 1, 0.0, sums, used, floors)
+    # It mirrors where the tone lies, whether or not any power is seen there.
+    return replace(found, between=float(np.copysign(1.0, -peak.cycles_per_line) * peak.between))
 
 
 def _floor(power: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -150,5 +154,13 @@ def _peak(  # noqa: PLR0917 - where it is, and what it is told from
         factor = 4.0 / (sums[b].spectrum_lines * (sums[b].mean_dn.size))
         values[b] = (float(sums[b].power[k, along]) - floor) * factor
         stds[b] = floor * factor
-    cycles = float((k / len(sums[used[0]].power) + 0.5) % 1.0 - 0.5)
-    return Peak(cycles, along, tuple(values), tuple(stds), deviance)
+    n = len(sums[used[0]].power)
+    cycles = float((k / n + 0.5) % 1.0 - 0.5)
+    below, above = (
+        sum(float(sums[b].power[place] / floors[b][0, place[1]]) - 1.0 for b in used)
+        for place in places_beside(k, along, sums[used[0]].power.shape)
+    )
+    between = off_place(below, above) * PADDING / n
+    return Peak(
+        cycles, along, tuple(values), tuple(stds), deviance, between, sums[used[0]].spectrum_lines
+    )

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 from numpy.typing import NDArray
-from scipy.stats import gamma, rice
+from scipy.stats import gamma
 
+from calib.diagnosis.evidence import tone_scale
 from calib.diagnosis.evidence.tone_scale import ToneScale
 from calib.diagnosis.statistics import tones
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.exponential_sums import log_chance
+from calib.diagnosis.statistics.off_place import places_beside
 from calib.diagnosis.statistics.spectrum import power_spectrum
 
 LINES, COLUMNS, READ_DN2 = 40, 96, 4.0
@@ -101,15 +103,52 @@ def test_a_tone_is_found_wherever_it_lies_between_columns_frequencies(cycles: fl
     assert found >= runs - 2
 
 
-@pytest.mark.parametrize("over_noise", [0.0, 2.0, 20.0, 200.0])
-def test_tones_scatter_by_1_at_the_most_weak_or_strong(over_noise: float) -> None:
+def alone(seen: NDArray[np.float64]) -> ToneScale:
+    """Return the scale of one tone in as many blocks, whose power scatters by 1 without it."""
+    return ToneScale(seen[:, None], np.ones((len(seen), 1)))
+
+
+@pytest.mark.parametrize("over_noise", [0.0, 0.5, 2.0, 20.0, 200.0])
+def test_tones_scatter_by_1_at_the_most_about_where_they_stand(
+    over_noise: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tone_scale, "TONE_ERROR", 0.0)
     n = 4000
     amplitude = default_rng().normal((np.sqrt(2.0 * over_noise), 0.0), 1.0, (n, 2))
-    seen = (amplitude**2).sum(axis=1) / 2.0 - 1.0
-    z = ToneScale(np.zeros((n, 1)), np.ones((n, 1))).whitened(seen[:, None])
-    expected = float(rice.std(np.sqrt(2.0 * over_noise)))
-    assert z.std() == pytest.approx(expected, abs=4.0 / np.sqrt(2.0 * n))
-    assert z.std() < 1.0 + 4.0 / np.sqrt(2.0 * n)
+    scale = alone((amplitude**2).sum(axis=1) / 2.0 - 1.0)
+    z = scale.whitened(scale.observed_dn2) - scale.whitened(np.full((n, 1), over_noise))
+    # To second order it would scatter by 1 everywhere, and by 1.04 it does most.
+    assert 0.6 < z.std() < 1.05 + 4.0 / np.sqrt(2.0 * n)
+    assert abs(z.mean()) < 0.06 + 4.0 / np.sqrt(n)
+
+
+@pytest.mark.parametrize("along", [0, 7])
+def test_a_tone_between_two_places_is_put_where_it_lies(along: int) -> None:
+    rng = default_rng()
+    line = int(rng.integers(5, LINES // 2 - 5)) + float(rng.uniform(-0.25, 0.25))
+    lines, pixels = np.arange(LINES)[:, None], np.arange(COLUMNS) / COLUMNS
+    turns = line / LINES * (lines + (pixels if along else 0.0)) + along * pixels
+    found = [
+        block(rng.standard_normal((LINES, COLUMNS)) + np.sin(2 * np.pi * (turns + rng.random())))
+        for _ in SIGNAL
+    ]
+    (peak, *_) = tones.find_peaks(cast("list[BlockSums]", found), SIGNAL)
+    assert peak.cycles_along == along
+    over_noise = len(SIGNAL) * LINES * COLUMNS / 4.0
+    off = (peak.cycles_per_line + peak.between) * LINES - line
+    # Chance, and what a line's mean takes from a tone that runs through its pixels.
+    assert abs(off) < 5.0 * 0.39 / np.sqrt(over_noise) + 0.01
+    share = np.mean(peak.squared_amplitude_dn2)
+    assert share == pytest.approx(peak.share_seen(LINES), abs=0.02 + 6.0 / np.sqrt(over_noise))
+
+
+def test_frequencies_beyond_the_last_are_the_next_columns_first() -> None:
+    shape = (8, 5)
+    assert places_beside(4, 2, shape) == ((3, 1), (5, 2))
+    assert places_beside(3, 2, shape) == ((2, 2), (4, 3))
+    assert places_beside(0, 2, shape) == ((7, 2), (1, 2))
+    assert places_beside(0, 0, shape) == ((7, 0), (1, 0))
+    assert places_beside(3, 4, shape) == ((2, 4), (4, 4))
 
 
 def test_a_tone_that_grows_moves_as_the_derivative_says() -> None:

@@ -12,6 +12,8 @@ STRONG: dict[str, dict[str, object]] = {
     "nonlinearity": {"beta_per_dn": 1e-5},
     "exposure_jitter": {"relative_std": 0.003},
     "line_noise": {"std_dn": 0.5},
+    "banding": {"amplitude_dn": 0.5},
+    "lamp_flicker": {"amplitude": 0.004},
 }
 SHORT = 6
 
@@ -28,7 +30,7 @@ def hold(name: str, runs: int) -> None:
     assert (held**2).mean() < 1.0 + 4.5 * np.sqrt(2.0 / runs)
 
 
-@pytest.mark.parametrize("name", ["lag", "nonlinearity"])
+@pytest.mark.parametrize("name", ["lag", "nonlinearity", "banding"])
 def test_a_strong_effect_is_measured_without_bias(name: str) -> None:
     hold(name, SHORT)
 

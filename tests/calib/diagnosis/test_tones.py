@@ -1,5 +1,6 @@
 """What a tone does to second moments is its own, and nothing of the few lines' noise."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,10 +9,13 @@ from numpy.random import default_rng
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.signatures.changes import change_of
+from calib.diagnosis.simulation import tone_lines
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.simulation.opposite_tone import opposite_tone
+from calib.diagnosis.statistics.tones import Peak
 from calib.forward.effects.banding import Banding
 from calib.forward.effects.lag import Lag
+from calib.forward.effects.lamp_flicker import LampFlicker
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 
 COLUMNS, LINES = 96, 100
@@ -45,3 +49,25 @@ def test_a_tone_and_its_opposite_cancel(phase_rad: float) -> None:
     half = opposite_tone(tone)
     assert np.cos(half.phase_rad - phase_rad) == pytest.approx(-1.0)
     assert opposite_tone(Lag(0.01)) == Lag(0.01)
+
+
+def beside_a_peak(cycles_per_line: float, between: float = 0.0) -> Evidence:
+    """Return the recording as if a peak had been seen."""
+    n = plain().n_blocks
+    peak = Peak(cycles_per_line, 0, (1.0,) * n, (1e-3,) * n, 100.0, between, n_lines=LINES)
+    return replace(plain(), known_peaks=(peak,))
+
+
+def test_few_lines_tell_what_all_of_them_have_beside_a_tone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    line, between = 0.2, 0.25 / LINES
+    evidence = beside_a_peak(line, between)
+    hz = (line + between) / 2.0 / (evidence.table.line_period_us * 1e-6)
+    responder = responder_of(evidence)
+    whole = change_of((LampFlicker(0.01, hz),), evidence, responder).tones
+    lit = whole > 0.1 * whole.max()
+    monkeypatch.setattr(tone_lines, "SAMPLES", 0)
+    few = change_of((LampFlicker(0.01, hz),), evidence, responder_of(evidence)).tones
+    # Of few lines a tone's mirror image is nearer.
+    np.testing.assert_allclose(few[lit], whole[lit], rtol=0.05)
