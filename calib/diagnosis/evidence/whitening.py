@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.baseline.code_counts import CodeCounts
 from calib.diagnosis.evidence.mean_space import MeanSpace
 from calib.diagnosis.evidence.point import Point
-from calib.diagnosis.evidence.pooled_space import PooledSpace
+from calib.diagnosis.evidence.pooled_space import SHARED_KINDS, PooledSpace
 from calib.diagnosis.evidence.rare_space import RareSpace
 from calib.diagnosis.evidence.standing_out import N_STEPS, held_slopes, steps
 from calib.diagnosis.evidence.tone_scale import ToneScale
@@ -84,6 +84,14 @@ class Whitening:
         if self.codes is not None:
             rest.append(self.monitor.whitened(change.monitor))
         return Point(self.means.project(change.means), np.concatenate(rest))
+
+    def without_shared(self, point: Point) -> Point:
+        """Return a point without what it says of what a line's pixels share, beside its peaks."""
+        rest = point.rest.copy()
+        pooled = rest[self.places["pooled"]].reshape(self.pooled.std.shape)
+        for kind in SHARED_KINDS:
+            pooled[:, self.pooled.places[kind]] = 0.0
+        return Point(point.means, rest)
 
     def derivatives(self, changes: Sequence[Change], about: Change) -> list[Point]:
         """Return the whitened derivatives of statistics that move by `changes` from `about` on."""

@@ -23,6 +23,9 @@ NEAR = 0.1
 FAINT = 3.0
 """Standard deviations: an effect that changes less is not found."""
 
+AT_PEAKS = 0.5
+"""Of a tone's power."""
+
 
 def which_moved(
     members: Sequence[Member], derived: Sequence[Member], evidence: Evidence
@@ -88,7 +91,21 @@ def differentiated(
         # A peak was chosen for its height: what it tells of slow courses is too much of them.
         found = [replace(each, tones=np.zeros_like(each.tones)) for each in found]
     points = evidence.whitening.derivatives(found, about)
+    if is_tone(member.effect) and stands_at_peaks(found[0], evidence):
+        points = [evidence.whitening.without_shared(point) for point in points]
     return replace(member, changes=tuple(found), directions=tuple(points))
+
+
+def stands_at_peaks(change: Change, evidence: Evidence) -> bool:
+    """Return whether a tone's power stands at peaks of the spectrum, most of it.
+
+    By Parseval's theorem variances and covariances of the lines' means are sums over the spectrum:
+    what they say of a tone its peak says, and chance at its frequency, which they have in common,
+    counts once. All else that they hold is noise at other frequencies (Whittle, 1953).
+    """
+    shared = change.pooled[:, evidence.pooled.places["common"]].mean(axis=1)
+    # A sine of amplitude a has the mean square a^2 / 2.
+    return bool(np.abs(change.tones).sum() > AT_PEAKS * 2.0 * np.abs(shared).sum())
 
 
 def _by_strength(

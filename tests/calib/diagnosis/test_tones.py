@@ -8,7 +8,11 @@ import pytest
 from numpy.random import default_rng
 
 from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.naming.derivatives import differentiated
+from calib.diagnosis.naming.model import Member
+from calib.diagnosis.shapes.shape import Shape
 from calib.diagnosis.signatures.changes import change_of
+from calib.diagnosis.signatures.signature import signature
 from calib.diagnosis.simulation import tone_lines
 from calib.diagnosis.simulation.fitted_responder import responder_of
 from calib.diagnosis.simulation.opposite_tone import opposite_tone
@@ -56,6 +60,31 @@ def beside_a_peak(cycles_per_line: float, between: float = 0.0) -> Evidence:
     n = plain().n_blocks
     peak = Peak(cycles_per_line, 0, (1.0,) * n, (1e-3,) * n, 100.0, between, n_lines=LINES)
     return replace(plain(), known_peaks=(peak,))
+
+
+def test_what_a_tone_shares_with_noise_is_told_by_its_peak_alone() -> None:
+    line = 0.2
+    evidence = beside_a_peak(line)
+    period_s = evidence.table.line_period_us * 1e-6
+    there, elsewhere = (
+        energies(LampFlicker(0.01, f / 2 / period_s), evidence) for f in (line, 0.3)
+    )
+    shared = ("common", "common_1", "common_2")
+    assert there["tones"] > 0.0
+    assert all(there[kind] == 0.0 for kind in shared)
+    assert all(elsewhere[kind] > 0.0 for kind in shared)
+
+
+def energies(effect: LampFlicker, evidence: Evidence) -> dict[str, float]:
+    """Return the squared length of the derivative by the strength in each kind of statistic."""
+    responder = responder_of(evidence)
+    shape = Shape(effect, (("amplitude", effect.amplitude, 0.0),), two_sided=False)
+    one = signature(shape, evidence, responder)
+    assert one is not None
+    member = Member(one, 1.0, {}, (), (), ())
+    change = change_of((member.effect,), evidence, responder)
+    slope = differentiated(0, [member], change, evidence, responder).directions[0]
+    return evidence.whitening.energies(slope)
 
 
 def test_few_lines_tell_what_all_of_them_have_beside_a_tone(
