@@ -23,6 +23,7 @@ from calib.diagnosis.baseline.fitted_links import (
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.simulation.chain_noise import NOISY_LINKS, ChainNoise
+from calib.diagnosis.simulation.latest import Latest
 from calib.diagnosis.simulation.passage import Passage
 from calib.diagnosis.simulation.stack import Stack
 from calib.forward.chain import without_noise
@@ -173,9 +174,9 @@ class FittedChain:
         return self.noise.has_noise(effect)
 
     @cached_property
-    def coded_means(self) -> dict[tuple[Effect, ...], Floats]:
-        """By how much effects of codes move all means, DN, (n_blocks, n_pixels), lately."""
-        return {}
+    def coded_means(self) -> Latest[Floats]:
+        """By how much the last effects of codes move all means, DN, (n_blocks, n_pixels)."""
+        return Latest(lambda _: 1, 1)
 
     def _chain(self, effects: Sequence[Effect]) -> tuple[Effect, ...]:
         return tuple(sorted((*self.links, *effects), key=place_of))

@@ -40,12 +40,7 @@ def moved_by_codes(chain: FittedChain, effects: Sequence[Effect], moved: Floats)
     coded = tuple(effect for effect in effects if effect.stage >= Stage.CODES)
     if moved.any():
         return _moved(chain, coded, moved)
-    found = chain.coded_means.get(coded)
-    if found is None:
-        found = _moved(chain, coded, moved)
-        chain.coded_means.clear()
-        chain.coded_means[coded] = found
-    return found
+    return chain.coded_means.of(coded, lambda: _moved(chain, coded, moved))
 
 
 def _moved(chain: FittedChain, effects: Sequence[Effect], moved: Floats) -> Floats:
