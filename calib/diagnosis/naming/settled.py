@@ -35,12 +35,15 @@ class Turn:
 
 
 def stalled(turns: Sequence[Turn]) -> bool:
-    """Return whether the last turns led neither to smaller steps nor to a better fit."""
-    if len(turns) <= STALLED:
+    """Return whether the last turns led neither to smaller steps nor to a better fit.
+
+    The first one is no measure of that: about its bent baseline it may have nothing to go.
+    """
+    before, last = turns[1:-STALLED], turns[-STALLED:]
+    if not before:
         return False
-    before, last = turns[:-STALLED], turns[-STALLED:]
     least = min(turn.misfit for turn in before)
-    smallest = min(turn.ahead for turn in before[1:] or before)
+    smallest = min(turn.ahead for turn in before)
     return all(turn.ahead >= smallest and turn.misfit >= least for turn in last)
 
 
