@@ -19,6 +19,8 @@ Floats = NDArray[np.float64]
 
 NOISY_LINKS = ("shot_noise", "read_noise")
 """Of the baseline."""
+OF_EFFECTS = 5
+"""Sets of sources that effects with noise of their own take; rounding has the next one."""
 KEPT_SAMPLES = 1 << 22
 """Numbers, or a signal, of so many samples are kept for the next run; more are made anew."""
 
@@ -55,7 +57,14 @@ class ChainNoise:
 
     def normals(self, stack: Stack, link: Effect, draw: int) -> Floats:
         """Return the normal numbers of a noisy link of the baseline, (n_lines, *sample)."""
-        key, source = (stack.key, link.name, draw), NOISY_LINKS.index(link.name)
+        return self._of(stack, link.name, NOISY_LINKS.index(link.name), draw)
+
+    def of_rounding(self, stack: Stack, draw: int) -> Floats:
+        """Return the normal numbers that stand for rounding, (n_lines, *sample)."""
+        return self._of(stack, "rounding", SOURCES * (1 + OF_EFFECTS), draw)
+
+    def _of(self, stack: Stack, name: str, source: int, draw: int) -> Floats:
+        key = stack.key, name, draw
         if key in self._numbers:
             return self._numbers[key]
         sample = self.sensor.sample
@@ -80,7 +89,7 @@ class ChainNoise:
         """Return what answers an effect for lines of `shape` of some blocks."""
         name = crc32(effect.name.encode())
         # Sources of noise beyond the baseline's own take arrays of their own.
-        source, which = SOURCES * (1 + name % 5), [b + 13 * draw for b in blocks]
+        source, which = SOURCES * (1 + name % OF_EFFECTS), [b + 13 * draw for b in blocks]
         seed = [self.seed, name, blocks[0], draw]
         return DesignedNoise(seed, shape, which, source, noise=noise)
 

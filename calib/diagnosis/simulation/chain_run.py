@@ -1,6 +1,7 @@
 """The fitted chain with and without effects: lines of it, and what they leave in the pixels.
 
 Codes are rounded only for effects of codes: rounding would hide small changes of a single sample.
+Others get noise of its variance behind all links, where none of them passes it on.
 """
 
 from collections.abc import Sequence
@@ -35,6 +36,9 @@ from calib.forward.left import Left
 from calib.forward.remembering import Remembering
 
 Floats = NDArray[np.float64]
+
+ROUNDING_DN2 = 1.0 / 12.0
+"""Of codes, whose noise reaches over several of them."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,7 @@ class FittedChain:
         """The baseline's links in physical order, the conversion to codes last."""
         sample, tap = self.sensor.sample, self.sensor.tap
         gain = self.gain
-        read = np.sqrt(self.baseline.read_variance_dn2[tap]) / gain
+        read = np.sqrt(self.baseline.read_variance_dn2 - self.rounding_dn2)[tap] / gain
         return (
             Light(self.table.lamp_radiance),
             Response((self.baseline.slope / gain).reshape(sample)),
@@ -84,6 +88,11 @@ class FittedChain:
             PixelOffset(self.baseline.offset_dn.reshape(sample)),
             Adc(self.sensor.camera.bit_depth),
         )
+
+    @property
+    def rounding_dn2(self) -> Floats:
+        """What rounding has of the read variance, (n_taps,)."""
+        return np.minimum(self.baseline.read_variance_dn2, ROUNDING_DN2)
 
     @property
     def gain(self) -> Floats:
@@ -163,6 +172,9 @@ class FittedChain:
         """
         links = [x for x in self._chain(effects) if coded or x.name != "adc"]
         drawn = self.passage.run(stack, links, draw, noise=sign)
+        if not coded:
+            std = np.sqrt(self.rounding_dn2)[self.sensor.tap].reshape(self.sensor.sample)
+            drawn = drawn + std * self.noise.of_rounding(stack, draw)
         return drawn.reshape(stack.n_lines, self.sensor.n_rows, self.sensor.n_columns)
 
     def has_events(self, effect: Effect) -> bool:
