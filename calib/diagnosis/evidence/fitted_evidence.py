@@ -16,7 +16,7 @@ from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
 from calib.diagnosis.statistics.common_noise import CommonNoise, fit_common_noise
 from calib.diagnosis.statistics.counts import Counts
-from calib.diagnosis.statistics.noisy import NOISY_SIGMA, few
+from calib.diagnosis.statistics.noisy import NOISY_SIGMA, beyond, few
 from calib.diagnosis.statistics.pooled import places
 
 
@@ -45,11 +45,15 @@ def evidence_of(sums: Sequence[BlockSums], table: ConditionsTable, sensor: Senso
 
 
 def noisy_pixels(evidence: Evidence) -> NDArray[np.intp]:
-    """Return the pixels whose variances or means are far off, (n,); none where they are many."""
+    """Return the pixels whose variances or means are far off, (n,); none where they are many.
+
+    They have to stand out of all others. What moves all of them lifts those over a limit that
+    chance moved the same way: without these a strong effect of the means came out too weak.
+    """
     excess = excess_variance(evidence.sums, evidence.baseline, evidence.counts)
     z = excess * np.sqrt((evidence.n - 1).sum() / 2.0)
     misfit = evidence.misfit(evidence.observed_means, observed=True)
-    off = (z > NOISY_SIGMA) | (misfit > NOISY_SIGMA)
+    off = (beyond(z, z) > NOISY_SIGMA) | (beyond(misfit, misfit) > NOISY_SIGMA)
     return few(np.flatnonzero(off), len(z))
 
 

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.random import default_rng
 
 from calib.diagnosis.evidence.standing_out import FAR_SIGMA, held_slopes
+from calib.forward.effects.exposure_offset import ExposureOffset
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 
 COLUMNS = 384
@@ -38,3 +39,11 @@ def test_one_pixel_that_passes_a_limit_is_no_steep_slope() -> None:
     held = held_slopes(jump, np.array([5.4, 5.4, 5.4]), about, about)
     np.testing.assert_allclose(held, [0.0, 5.4, -1.0])
     np.testing.assert_allclose(held_slopes(jump, np.abs(jump), about, 0.0 * about), jump)
+
+
+def test_what_moves_all_pixels_leaves_none_of_them_out() -> None:
+    # Means of the typical pixel miss by 4 standard deviations. Those beyond 6 are those that chance
+    # moved the same way: what is left of the effect without them would be too weak.
+    rng = default_rng()
+    found = recorded(plain_model(256), plan(rng, 100, twice=0), rng, [ExposureOffset(1.3)])
+    assert found.sensor.noisy == ()
