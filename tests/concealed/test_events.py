@@ -1,6 +1,8 @@
 """What single events of a recording are worth, held against the likelihood of its codes."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -14,9 +16,11 @@ from tests.concealed.generator.chain import take
 from tests.concealed.generator.mechanisms.codes import DuplicatedLines
 from tests.concealed.generator.mechanisms.collection import CosmicRays
 from tests.concealed.generator.mechanisms.electronics import HeavyTailedNoise
+from tests.concealed.generator.scan import Scan
 from tests.concealed.ideal.events import event_deviance
 from tests.concealed.ideal.expected import Expected, expected
 from tests.concealed.ideal.sight import sight
+from tests.concealed.scoring.strengths import COMPARED
 
 Floats = NDArray[np.float64]
 LONGEST = 9
@@ -117,6 +121,17 @@ def test_lines_sent_twice_are_worth_how_unlikely_their_codes_were() -> None:
     # Of little noise, the entropy of whole codes is that of rounding's variance to 2 %.
     assert abs(direct - seen) <= 5 * np.sqrt(spread) + 0.02 * direct
     assert sight(case)[0] == pytest.approx(np.sqrt(seen))
+
+
+def test_of_the_lines_sent_as_many_are_repeats_as_the_scoring_tells() -> None:
+    chance, n = 0.1, 100_000
+    scan = cast("Scan", SimpleNamespace(n_samples=n))
+    lines = np.arange(n).reshape(n, 1, 1)
+    sent = DuplicatedLines(chance, "whole").act(lines, scan, {}, default_rng())
+    told = COMPARED["duplicated_lines"].true({"parameters": {"strength": chance}}, {})
+    # Of as many lines read as fill n: repeats scatter by sqrt(p (1 - p) / (1 + p)^3 / n) of n.
+    scatter = np.sqrt(chance * (1.0 - chance) / (1.0 + chance) ** 3 / n)
+    assert abs((np.diff(sent.ravel()) == 0).mean() - told) < 4.5 * scatter
 
 
 @pytest.mark.parametrize("shape", ["whole", "half", "pairs"])

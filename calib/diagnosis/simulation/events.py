@@ -12,6 +12,7 @@ import numpy as np
 from calib.diagnosis.simulation.response import Responder
 from calib.diagnosis.simulation.with_values import with_values
 from calib.diagnosis.statistics.change import Change
+from calib.diagnosis.statistics.rare import RARE
 from calib.forward.departure import Departure
 from calib.forward.effect import Stage
 
@@ -43,10 +44,10 @@ def change_of_events(effect: Departure, density: Density, responder: Responder) 
     """Return what the effect changes, from where its events are dense."""
     now = float(getattr(effect, density.parameter))
     dense = with_values(effect, {density.parameter: density.dense})
-    return _unit(dense, responder) * (now / density.dense)
+    return _unit(dense, density, responder) * (now / density.dense)
 
 
-def _unit(dense: Departure, responder: Responder) -> Change:
+def _unit(dense: Departure, density: Density, responder: Responder) -> Change:
     known = responder.of_events
     if dense not in known:
         draws = [responder.change((dense,), draw, drawn_alone=True) for draw in range(2)]
@@ -54,8 +55,12 @@ def _unit(dense: Departure, responder: Responder) -> Change:
         nothing = np.zeros_like(half.pixel_variance)
         # Lines that come twice are left out of all but the count of them.
         pooled = half.pooled * (0.0 if dense.stage >= Stage.TRANSPORT else 1.0)
+        rare = half.rare.copy()
+        if dense.name == "duplicated_lines":
+            # Each of their lines is one with that chance: nothing need be counted.
+            rare[:, RARE.index("identical_lines")] = density.dense
         known[dense] = Change(
-            np.zeros_like(half.means), np.zeros_like(half.onset), pooled, half.rare,
+            np.zeros_like(half.means), np.zeros_like(half.onset), pooled, rare,
             nothing, half.codes, np.zeros_like(half.tones), nothing,
         )  # fmt: skip
     return known[dense]

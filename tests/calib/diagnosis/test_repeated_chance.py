@@ -8,6 +8,9 @@ from numpy.random import default_rng
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.shapes.repeated import log_chance, repeated_shapes
+from calib.diagnosis.signatures.changes import change_of
+from calib.diagnosis.simulation.fitted_responder import responder_of
+from calib.diagnosis.statistics.rare import RARE
 from calib.diagnosis.statistics.repeats import UNLIKELY
 from calib.forward.effects.duplicated_lines import DuplicatedLines
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
@@ -39,3 +42,9 @@ def test_more_repeated_lines_are_more_certain_and_none_are_no_credit() -> None:
     assert repeated_shapes(evidence())[0].freedom == 0.0
     some, many = (repeated_shapes(evidence(DuplicatedLines(p)))[0].cost for p in (0.01, 0.05))
     assert many < some < 0.0
+
+
+def test_lines_come_twice_as_often_as_they_are_told_to() -> None:
+    found, wanted = evidence(DuplicatedLines(0.05)), 0.03
+    changed = change_of((DuplicatedLines(wanted),), found, responder_of(found))
+    np.testing.assert_allclose(changed.rare[:, RARE.index("identical_lines")], wanted)

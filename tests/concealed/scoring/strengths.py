@@ -47,6 +47,11 @@ def _mean_rate(effect: Told, answer: Told) -> float:
     return _strength(effect, answer) * float(np.mean(effect["parameters"]["relative"]))
 
 
+def _of_sent(effect: Told, answer: Told) -> float:
+    """Return the share of the lines sent that are repeats, where each line read may have one."""
+    return _strength(effect, answer) / (1.0 + _strength(effect, answer))
+
+
 COMPARED: dict[str, Comparison] = {
     "interpixel_capacitance": Comparison("column_coupling", ("nearest",), _strength),
     "lag": Comparison("share", ("each_electron", "incomplete_reset"), _strength),
@@ -61,7 +66,7 @@ COMPARED: dict[str, Comparison] = {
     "lamp_flicker": Comparison("amplitude", ("sine",), _strength),
     "dark_current": Comparison("electrons_per_us", ("gaussian",), _mean_rate),
     "tap_crosstalk": Comparison("fraction", ("mutual",), _strength),
-    "duplicated_lines": Comparison("probability", ("whole",), _strength),
+    "duplicated_lines": Comparison("probability", ("whole",), _of_sent),
 }
 
 
