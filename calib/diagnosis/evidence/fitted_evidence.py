@@ -14,7 +14,7 @@ from calib.diagnosis.evidence.standing_out import excess_variance
 from calib.diagnosis.recorded.conditions_table import ConditionsTable
 from calib.diagnosis.recorded.sensor import Sensor
 from calib.diagnosis.statistics.block_sums import BlockSums
-from calib.diagnosis.statistics.common_noise import CommonNoise, fit_common_noise
+from calib.diagnosis.statistics.common_noise import CommonNoise, fit_common_noise, fit_noise_of_taps
 from calib.diagnosis.statistics.counts import Counts
 from calib.diagnosis.statistics.noisy import NOISY_SIGMA, beyond, few
 from calib.diagnosis.statistics.pooled import places
@@ -69,6 +69,8 @@ def _common(quiet: Evidence) -> CommonNoise:
     lagged = np.sum([observed[:, where[lag]].mean(axis=1) for lag in lags], axis=0)
     signal = (quiet.baseline.mean_dn - quiet.baseline.offset_dn).mean(axis=(1, 2))
     freedom = (quiet.n - 1) * quiet.sensor.n_rows
+    of_taps = fit_noise_of_taps(own - cross, white, freedom * (taps - 1)) if taps > 1 else 0.0
     return fit_common_noise(
-        excess, lagged, white / taps, signal, freedom, n_rows=quiet.sensor.n_rows
-    )
+        excess, lagged, white / taps, signal, freedom, n_rows=quiet.sensor.n_rows,
+        of_taps_dn2=of_taps, taps=taps,
+    )  # fmt: skip

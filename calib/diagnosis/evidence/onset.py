@@ -33,7 +33,8 @@ def onset_std(
     for b, each in list(enumerate(sums))[1:]:
         signal = float((baseline.mean_dn[b] - baseline.offset_dn).mean())
         white = float(baseline.variance_dn2[b].mean()) / sensor.n_pixels
-        shared = common.shared_dn2(signal) * common.of_mean_of_rows(sensor.n_rows)
+        shared = common.shared_dn2(signal) + common.of_taps_dn2 / sensor.n_taps
+        shared *= common.of_mean_of_rows(sensor.n_rows)
         if each.n_lines >= 2 * ONSET_LINES:
             std[b] = np.sqrt((white + shared) * (1.0 + 2.0 / each.n_lines))
     return std

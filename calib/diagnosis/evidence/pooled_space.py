@@ -141,7 +141,7 @@ class PooledSpace:
     def _shared_noise(self, signal_dn: float, white: Floats) -> SharedNoise:
         common = self.common
         shared = common.shared_dn2(signal_dn)
-        return SharedNoise(self.counts, white, shared, common.rows_share)
+        return SharedNoise(self.counts, white, shared, common.rows_share, common.of_taps_dn2)
 
     @cached_property
     def whiteners(self) -> Floats:

@@ -53,11 +53,21 @@ def space_of_means(
     weight = np.where(usable, 1.0 / np.sqrt(sampling), 0.0)
     weight[:, sorted(noisy)] = 0.0
     signal = (baseline.mean_dn - baseline.offset_dn).reshape(len(sums), -1)
-    modes = np.concatenate([np.ones_like(signal), signal])
     per_block = common.memory / (n * sensor.n_rows)
-    strength = np.concatenate([common.fixed_dn2 * per_block, common.relative * per_block])
-    block = np.tile(np.arange(len(n)), 2)
-    return mean_space(weight, regressors(table, signal.shape), modes, block, strength)
+    modes = [np.ones_like(signal), signal]
+    strength = [common.fixed_dn2 * per_block, common.relative * per_block]
+    of_taps = np.stack([common.tap_mean_dn2(each, counts.present) for each in n])
+    for tap in range(sensor.n_taps if common.of_taps_dn2 > 0.0 else 0):
+        modes.append(np.ones_like(signal) * (sensor.tap.ravel() == tap))
+        strength.append(of_taps[:, tap])
+    block = np.tile(np.arange(len(n)), len(modes))
+    return mean_space(
+        weight,
+        regressors(table, signal.shape),
+        np.concatenate(modes),
+        block,
+        np.concatenate(strength),
+    )
 
 
 def _recorded_variance(

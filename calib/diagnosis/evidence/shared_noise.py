@@ -1,8 +1,8 @@
 """How statistics of what a line's pixels have in common scatter where lines share noise.
 
-Line noise, jitter or flicker moves all taps of a line together. Each tap's variance, their
-covariances, and of a frame those of its rows then measure the same few numbers, and do not tell the
-shared variance as often as there are statistics.
+Line noise, jitter or flicker moves all taps of a line together, or each for itself. Each tap's
+variance, their covariances, and of a frame those of its rows then measure the same few numbers, and
+do not tell the shared variance as often as there are statistics.
 
 Covariances of products of means that are jointly normal: cov(xy, zu) = s_xz s_yu + s_xu s_yz for
 each pair of lines (Isserlis, Biometrika 12, 134 (1918)), divided by the degrees of freedom.
@@ -30,12 +30,14 @@ class SharedNoise:
         white: Variance of each tap's mean without shared noise, DN^2, (n_taps,).
         shared: What all taps of a row share, DN^2.
         rows_share: The part of it that all rows of a frame share, 0 to 1; 0 for lines.
+        of_taps: What each tap has besides that for itself, DN^2.
     """
 
     counts: Counts
     white: Floats
     shared: float
     rows_share: float
+    of_taps: float = 0.0
 
     def growth(self) -> Floats:
         """Return by how much shared noise raises the standard deviations, (n_taps + 3,).
@@ -75,10 +77,11 @@ class SharedNoise:
         where = present[:, products[:, 0]] * present[:, products[:, 1]]
         rows = where.sum(axis=0)
         same = where.T @ where
-        sigma = np.diag(self.white) + self.shared
+        common = self.shared + self.of_taps * np.eye(len(self.white))
+        sigma = np.diag(self.white) + common
         a, b = products.T
-        one = sigma[np.ix_(a, a)] * sigma[np.ix_(b, b)] + sigma[np.ix_(a, b)] * sigma[np.ix_(b, a)]
-        other = 2.0 * (self.rows_share * self.shared) ** 2
+        one = _of_products(sigma, a, b)
+        other = _of_products(self.rows_share * common, a, b)
         of_each = same * one + (np.outer(rows, rows) - same) * other
         of_each = of_each / np.outer(rows, rows)
         mean = np.zeros((len(taps) + 1, len(products)))
@@ -92,8 +95,9 @@ class SharedNoise:
     def _fill_lags(self, found: Floats) -> None:
         """Set what covariances of rows, of which `found` has none yet, have with all others."""
         n_rows = len(self.counts.present)
-        near = float(self.white.mean()) / self.counts.taps_of_row + self.shared
-        far = self.rows_share * self.shared
+        taps = self.counts.taps_of_row
+        common = self.shared + self.of_taps / taps
+        near, far = float(self.white.mean()) / taps + common, self.rows_share * common
         if n_rows == 1:
             found[-2:] = found[:, -2:] = 0.0
             found[-2, -2] = found[-1, -1] = near**2
@@ -103,3 +107,9 @@ class SharedNoise:
         found[-2, -2] = 2.0 * far**2 + (near**2 - far**2) / (n_rows - 1)
         found[-1:] = found[:, -1:] = 0.0
         found[-1, -1] = (far + (near - far) / n_rows) ** 2
+
+
+def _of_products(sigma: Floats, a: NDArray[np.intp], b: NDArray[np.intp]) -> Floats:
+    """Return the covariances of products of the means `a` and `b`, whose own are `sigma`."""
+    straight = sigma[np.ix_(a, a)] * sigma[np.ix_(b, b)]
+    return np.asarray(straight + sigma[np.ix_(a, b)] * sigma[np.ix_(b, a)])

@@ -90,7 +90,11 @@ def _shared(b: int, unit: Floats, evidence: Evidence) -> float:
     shading = np.maximum(evidence.baseline.mean_dn[b] - evidence.baseline.offset_dn, 0.0).ravel()
     shading = shading / max(float(shading.mean()), 1e-300)
     alike = max(float(unit @ weight) ** 2, float(unit @ (weight * shading)) ** 2)
-    return float(variance) / float(evidence.n[b] * evidence.sensor.n_rows) * alike
+    together = float(variance) / float(evidence.n[b] * evidence.sensor.n_rows) * alike
+    of_taps = evidence.common.tap_mean_dn2(float(evidence.n[b]), evidence.counts.present)
+    tap = evidence.sensor.tap.ravel()
+    along_taps = np.bincount(tap, unit * weight, minlength=len(of_taps))
+    return together + float(of_taps @ along_taps**2)
 
 
 def _pooled(model: Model, evidence: Evidence) -> list[Look]:

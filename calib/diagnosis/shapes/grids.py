@@ -90,7 +90,7 @@ def grid(
         of_frames = name == "shared_by" and scales.camera.rows is None
         return (value,) if of_frames or name in {"tap_layout", "readout"} else told.choices
     if isinstance(value, bool):
-        return (False, True)
+        return (False,) if name == "each_tap" and scales.camera.taps < 2 else (False, True)
     if isinstance(value, int):
         return _whole(name, value, told, scales)
     if isinstance(value, float):

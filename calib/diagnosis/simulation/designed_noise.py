@@ -12,12 +12,13 @@ import numpy as np
 from numpy.random import PCG64, Generator, default_rng
 from numpy.typing import ArrayLike, NDArray
 
-from calib.diagnosis.simulation.designed_normals import WIDTH, designed_normals, designed_sequence
+from calib.diagnosis.simulation.designed_normals import WIDTH, designed_normals, designed_sequences
 from calib.forward.moments import Moments
 
 Floats = NDArray[np.float64]
 
-
+MOST_TAPS = 4
+"""Of a line that have numbers of their own."""
 _SHARED = PCG64(0)
 """Nothing is drawn from it: seeding one for each block would take longer than most effects do."""
 
@@ -81,13 +82,14 @@ class DesignedNoise(Moments):
         self._share = float(np.asarray(share)) if np.ndim(share) == 0 else None
 
     def standard_normal(self, size: Any = None, *_: Any, **__: Any) -> Any:
-        """Return designed numbers for all lines, for one line, or one number a row or line.
+        """Return designed numbers for all lines, for one line, or a few of each row or line.
 
         After events, and of any other shape, they are drawn.
         """
         shape = size if isinstance(size, tuple) else () if size is None else (int(size),)
         n, *sample = self._shape
-        shared = {(n,), (*self._shape[:-1], 1), (n, *(1 for _ in sample))}
+        few = shape[-1] if len(shape) == len(self._shape) and shape[-1] <= MOST_TAPS else 1
+        shared = {(n,), (*self._shape[:-1], few), (n, *(1 for _ in sample[1:]), few)}
         if self.events or shape not in {self._shape, self._shape[1:], *shared}:
             return self.chance.standard_normal(size)
         if not self._size:
@@ -96,9 +98,9 @@ class DesignedNoise(Moments):
             return self._size * default_rng(self._seed).standard_normal(shape)
         if shape == self._shape[1:]:
             return self._size * self._next_line()
-        if np.prod(shape) == self._shape[0]:
+        if shape != self._shape and np.prod(shape) == n * few:
             self._arrays += 1
-            told = [designed_sequence(self._n, w + self._arrays) for w in self._which]
+            told = [designed_sequences(self._n, w + self._arrays, few) for w in self._which]
             return self._size * np.concatenate(told).reshape(shape)
         return self._size * self._designed(shape[1:]).reshape(shape)
 

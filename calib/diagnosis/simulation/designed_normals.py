@@ -68,20 +68,29 @@ def _tiled(n_lines: int, sample: tuple[int, ...], which: int, source: int) -> Fl
     return found
 
 
-def designed_sequence(n_lines: int, which: int) -> Floats:
-    """Return one number for each line, (n_lines,), of exact variance and nearly white."""
-    return np.asarray(_sequences(n_lines)[which % SEQUENCES])
+def designed_sequences(n_lines: int, which: int, n_beside: int = 1) -> Floats:
+    """Return numbers for each line, (n_lines, n_beside), of exact variance and nearly white.
+
+    Those that stand beside each other are orthogonal where there are lines enough.
+    """
+    return np.asarray(_sequences(n_lines, n_beside)[which % SEQUENCES])
 
 
-@lru_cache(maxsize=4)
-def _sequences(n_lines: int) -> Floats:
-    """Return those of many sequences, (SEQUENCES, n_lines), whose lags are nearest to white."""
-    tried = default_rng(n_lines).standard_normal((SEQUENCES * DRAWN_FOR_ONE, n_lines))
+@lru_cache(maxsize=8)
+def _sequences(n_lines: int, n_beside: int) -> Floats:
+    """Return those of many, (SEQUENCES, n_lines, n_beside), whose lags are nearest to white."""
+    size = (SEQUENCES * DRAWN_FOR_ONE, n_lines, n_beside)
+    tried = default_rng(n_lines).standard_normal(size)
     tried -= tried.mean(axis=1, keepdims=True)
+    for k in range(1, n_beside if n_beside < n_lines else 1):
+        for before in np.moveaxis(tried[..., :k], -1, 0):
+            along = (before * tried[..., k]).sum(axis=1) / (before**2).sum(axis=1)
+            tried[..., k] -= along[:, None] * before
     tried *= np.sqrt((n_lines - 1) / (tried**2).sum(axis=1, keepdims=True))
-    miss = np.zeros(len(tried))
+    # Lines are compared by what all of them have in common.
+    whole, miss = tried.sum(axis=2), np.zeros(len(tried))
     for lag in range(1, min(4, n_lines)):
-        miss += (lagged_covariance(tried, lag) + 1.0 / n_lines) ** 2
+        miss += (lagged_covariance(whole, lag) + n_beside / n_lines) ** 2
     found = tried[np.argsort(miss)[:SEQUENCES]]
     found.flags.writeable = False
     return np.asarray(found)

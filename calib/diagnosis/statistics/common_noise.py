@@ -15,23 +15,36 @@ ROUNDS = 6
 
 @dataclass(frozen=True)
 class CommonNoise:
-    """Variance that a line's pixels share: fixed + relative x signal^2.
+    """Variance that a line's pixels share: fixed + relative x signal^2, and what each tap adds.
 
     Attributes:
         fixed_dn2: In the dark and everywhere.
         relative: Of the signal, squared.
         memory: By how much the variance of a block's mean exceeds that of white lines.
         rows_share: The part of it that all rows of a frame share, 0 to 1; 0 for lines.
+        of_taps_dn2: What pixels of one tap share besides, and those of another do not.
     """
 
     fixed_dn2: float
     relative: float
     memory: float
     rows_share: float = 0.0
+    of_taps_dn2: float = 0.0
 
     def shared_dn2(self, signal_dn: float) -> float:
         """Return the variance that a line's pixels share at a signal, DN^2."""
         return self.fixed_dn2 + self.relative * signal_dn**2
+
+    def tap_mean_dn2(self, n_lines: float, present: NDArray[np.bool_]) -> Floats:
+        """Return the variance of a block's mean that each tap has for itself, DN^2, (n_taps,).
+
+        Args:
+            n_lines: Lines, or frames, of the block.
+            present: Which taps a row has, (n_rows, n_taps).
+        """
+        of_rows = np.array([self.of_mean_of_rows(max(int(n), 1)) for n in present.sum(axis=0)])
+        memory = self.memory if len(present) == 1 else 1.0
+        return np.asarray(self.of_taps_dn2 * memory / n_lines * of_rows)
 
     def of_mean_of_rows(self, n_rows: int) -> float:
         """Return which part of the shared variance is left of the mean of a frame's rows."""
@@ -46,6 +59,8 @@ def fit_common_noise(
     freedom: Floats,
     *,
     n_rows: int = 1,
+    of_taps_dn2: float = 0.0,
+    taps: float = 1.0,
 ) -> CommonNoise:
     """Return the fit of the excess of line means' variances.
 
@@ -57,22 +72,41 @@ def fit_common_noise(
         signal: Mean signal, DN, (n_blocks,).
         freedom: Degrees of freedom of each variance, (n_blocks,).
         n_rows: Of a frame, whose rows follow each other; lines follow each other themselves.
+        of_taps_dn2: What pixels of a tap share besides; see `fit_noise_of_taps`.
+        taps: How many taps a row has.
     """
+    apart = of_taps_dn2 / taps
+    excess, white = excess - apart, white + apart
     best = (0.0, 0.0)
     least = _deviance(excess, white, white, freedom)
     for columns in ((1, 0), (0, 1), (1, 1)):
         found, deviance = _fitted(columns, excess, white, signal, freedom)
         if deviance + SIGNIFICANT * sum(columns) < least:
             least, best = deviance + SIGNIFICANT * sum(columns), found
-    if best == (0.0, 0.0):
+    if best == (0.0, 0.0) and of_taps_dn2 == 0.0:
         return CommonNoise(0.0, 0.0, 1.0)
-    total = float((best[0] + best[1] * signal**2).sum())
+    total = float((best[0] + best[1] * signal**2 + apart).sum())
     ratio = float(lagged.sum()) / max(total, 1e-300)
     if n_rows > 1:
         # Frames are exposed one by one: what two rows share, all of them do.
         share = float(np.clip(ratio, 0.0, 1.0))
-        return CommonNoise(*best, 1.0 + share * (n_rows - 1), share)
-    return CommonNoise(*best, float(np.clip(1.0 + 2.0 * ratio, 0.1, 6.0)))
+        return CommonNoise(*best, 1.0 + share * (n_rows - 1), share, of_taps_dn2)
+    memory = float(np.clip(1.0 + 2.0 * ratio, 0.1, 6.0))
+    return CommonNoise(*best, memory, of_taps_dn2=of_taps_dn2)
+
+
+def fit_noise_of_taps(apart: Floats, white: Floats, freedom: Floats) -> float:
+    """Return what pixels of one tap share and those of another do not, DN^2, 0 by chance.
+
+    Args:
+        apart: Variance of taps' means less the covariance of two, beyond what independent pixels
+            give, DN^2, (n_blocks,).
+        white: What independent pixels give, (n_blocks,).
+        freedom: Degrees of freedom of each, (n_blocks,).
+    """
+    none = np.zeros_like(white)
+    (fixed, _), deviance = _fitted((1, 0), apart, white, none, freedom)
+    return fixed if deviance + SIGNIFICANT < _deviance(apart, white, white, freedom) else 0.0
 
 
 def _fitted(

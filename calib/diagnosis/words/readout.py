@@ -3,6 +3,7 @@
 from calib.diagnosis.words.telling import Sentence, Telling
 from calib.forward.code_fault import CodeFault
 
+_WHOSE = {False: "All", True: "Each tap's"}
 _SHARED_BY = {"row": "columns of a line move", "frame": "pixels of a frame move"}
 
 
@@ -68,7 +69,8 @@ READOUT: dict[str, Sentence] = {
         "partner reads at the same time: tap crosstalk."
     ),
     "line_noise": lambda t: (
-        f"All {_SHARED_BY[t.word('shared_by')]} together, by "
+        f"{_WHOSE[bool(t.value('each_tap'))]} "
+        f"{_SHARED_BY[t.word('shared_by')]} together, by "
         f"{t.size('std_dn', 'DN')} from one to the next: line noise."
     ),
     "banding": lambda t: (

@@ -2,7 +2,7 @@
 
 Source: EMVA Standard 1288, Release 4.0 Linear, the row part of the temporal noise: reference or
 supply noise that all columns of a line share. Where the reference is sampled once for a frame, all
-of its rows share it.
+of its rows share it. Where each output has an amplifier and a reference of its own, each tap has.
 """
 
 from collections.abc import Sequence
@@ -18,6 +18,7 @@ from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.plan_needs import first_lack, lines, neighbours
+from calib.forward.taps import LAYOUTS, check_layout, tap_of_pixel
 from calib.recording.header import Block, CameraHeader
 
 
@@ -28,6 +29,8 @@ class LineNoise(Departure):
     Attributes:
         std_dn: Its standard deviation.
         shared_by: What has one offset, "row" or "frame"; of lines these are the same.
+        each_tap: Whether each tap has one of its own, rather than all of them the same.
+        tap_layout: Which pixels a tap reads; that of the camera, where each tap has its own.
     """
 
     name: ClassVar[str] = "line_noise"
@@ -44,6 +47,8 @@ class LineNoise(Departure):
 
     std_dn: float = parameter(0.5, unit="DN", low=0.0, high=1e5, neutral=0.0)
     shared_by: str = parameter("row", unit="", choices=("row", "frame"))
+    each_tap: bool = parameter(False, unit="1")
+    tap_layout: str = parameter("single", unit="", choices=LAYOUTS)
 
     @classmethod
     def why_not_testable(cls, blocks: Sequence[Block], camera: CameraHeader) -> str | None:
@@ -53,5 +58,15 @@ class LineNoise(Departure):
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """DN in and out, (n_lines, *sample)."""
         rows = signal.shape[1:-1] if self.shared_by == "row" else (1,) * (signal.ndim - 2)
-        shifts = rng.standard_normal((len(signal), *rows, 1))
-        return np.asarray(signal + self.std_dn * shifts)
+        if not self.each_tap:
+            return np.asarray(signal + self.std_dn * rng.standard_normal((len(signal), *rows, 1)))
+        tap = tap_of_pixel(self.tap_layout, signal.shape[1:])
+        shifts = rng.standard_normal((len(signal), *rows, int(tap.max()) + 1))
+        of_pixels = np.broadcast_to(shifts, (*signal.shape[:-1], shifts.shape[-1]))
+        where = np.broadcast_to(tap, signal.shape)
+        return np.asarray(signal + self.std_dn * np.take_along_axis(of_pixels, where, axis=-1))
+
+    def check_camera(self, camera: CameraHeader) -> None:
+        """Raise InputError unless `tap_layout` is that of the camera, where each tap counts."""
+        if self.each_tap:
+            check_layout(self.tap_layout, camera, "effect line_noise")

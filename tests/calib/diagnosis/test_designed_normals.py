@@ -6,7 +6,7 @@ from calib.diagnosis.simulation.designed_normals import (
     NEIGHBOURS,
     WIDTH,
     designed_normals,
-    designed_sequence,
+    designed_sequences,
 )
 
 BLOCKS, COLUMNS = 18, 256
@@ -52,12 +52,22 @@ def test_what_is_not_exact_is_nearer_to_its_expectation_than_chance() -> None:
 def test_a_sequence_is_white_about_its_own_mean() -> None:
     n = 16
     for which in range(8):
-        one = designed_sequence(n, which)
+        one = designed_sequences(n, which)[:, 0]
         assert abs(one.mean()) < ROUNDING
         assert abs(one.var(ddof=1) - 1.0) < ROUNDING
         for lag in (1, 2, 3):
             # By chance +- 0.25; the best of a hundred lie within a fifth of that.
             assert abs((one[lag:] * one[:-lag]).mean() + 1.0 / n) < 0.05
+
+
+@pytest.mark.parametrize("sample", [(64,), (6, 32)])
+def test_numbers_of_taps_are_white_and_orthogonal(sample: tuple[int, ...]) -> None:
+    n, rng = 16, DesignedNoise([1], (16, *sample), (0,), 2, noise=1.0)
+    asked = [(n, *(1 for _ in sample[1:]), 4), (n, *sample[:-1], 4)]
+    for drawn in (rng.standard_normal(shape) for shape in asked):
+        of_row = drawn.reshape(n, -1)[:, :4]
+        assert np.abs(of_row.T @ of_row - (n - 1) * np.eye(4)).max() < n * ROUNDING
+    assert not rng.events
 
 
 def test_counts_get_designed_noise_and_events_chance() -> None:

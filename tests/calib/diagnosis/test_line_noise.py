@@ -1,7 +1,7 @@
 """Noise that a line, or all rows of a frame, share: neither flicker nor banding."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -15,6 +15,7 @@ from calib.diagnosis.diagnose import examine
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.forward.conditions import Conditions
 from calib.forward.effects.line_noise import LineNoise
+from calib.forward.taps import tap_of_pixel
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 from tests.calib.forward.small_sensors import at
 
@@ -46,6 +47,20 @@ def test_an_offset_of_each_frame_is_named_line_noise_alone() -> None:
         assert abs(told.value - STD_DN) < 4.0 * told.std
 
 
+def test_an_offset_of_each_tap_is_named_line_noise_and_no_drift_of_taps() -> None:
+    effect = LineNoise(0.8, each_tap=True, tap_layout="halves")
+
+    def of_taps() -> Evidence:
+        rng = default_rng()
+        model = plain_model(64, taps=2, layout="halves")
+        return recorded(model, plan(rng, 40), rng, (effect,))
+
+    for found in two_of_three_named(of_taps):
+        told = found.parameters["std_dn"]
+        assert found.effect == replace(effect, std_dn=told.value)
+        assert abs(told.value - effect.std_dn) < 4.0 * told.std
+
+
 def two_of_three_named(draw: Callable[[], Evidence]) -> list[Finding]:
     """Return what says line noise alone, of at most three recordings: a third one if one failed."""
     right: list[Finding] = []
@@ -72,6 +87,18 @@ def test_rows_of_a_frame_move_alike_or_each_alone(shared_by: str, alike: bool) -
     assert np.ptp(moved, axis=2).max() == 0.0
     assert bool(np.ptp(moved, axis=1).max() == 0.0) is alike
     assert np.ptp(moved, axis=0).min() > 0.0
+
+
+@pytest.mark.parametrize(("layout", "sample"), [("quarters", (8,)), ("quadrants", (4, 6))])
+def test_each_tap_moves_by_itself(layout: str, sample: tuple[int, ...]) -> None:
+    effect = LineNoise(1.0, "frame", each_tap=True, tap_layout=layout)
+    moved, tap = (
+        effect.apply(np.zeros((3, *sample)), at(3), default_rng()),
+        tap_of_pixel(layout, sample),
+    )
+    for t in range(4):
+        assert np.ptp(moved[:, tap == t], axis=1).max() == 0.0
+    assert len(np.unique(moved)) == 3 * 4
 
 
 def test_lines_whose_offset_wanders_have_line_noise_and_no_tone() -> None:

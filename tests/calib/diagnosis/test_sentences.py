@@ -56,6 +56,7 @@ CASES: tuple[tuple[str, dict[str, object], str], ...] = (
     ("tap_crosstalk", {"fraction": -0.005}, "takes off 0.50 %"),
     ("line_noise", {"std_dn": 0.5}, "All columns of a line move together, by 0.50 DN"),
     ("line_noise", {"shared_by": "frame"}, "All pixels of a frame move together"),
+    ("line_noise", {"each_tap": True}, "Each tap's columns of a line move together"),
     ("banding", {"amplitude_dn": 3.0, "frequency_hz": 12345.0}, "A tone of 3.0 DN"),
     ("rts_pixels", {"amplitude_dn": 5.0, "share": 0.02}, "2.0 % of the pixels jump by 5.0 DN"),
     ("offset_drift", {"amplitude_dn": -2.0, "time_constant_s": 100.0}, "fell by 1.9 DN"),

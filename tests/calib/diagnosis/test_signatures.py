@@ -42,6 +42,7 @@ EFFECTS = (
     Persistence(0.006, 8.0, 3e6),
     ExposureJitter(0.001),
     LineNoise(0.4),
+    LineNoise(0.4, each_tap=True, tap_layout="odd_even"),
     StuckBit(0.02, 4, 1),
     # Of 28 DN^2 of noise, 28 DN are left out: jumps of 32 are in the one time, out the other.
     StuckBit(0.1, 5, 1),
