@@ -74,15 +74,15 @@ class Sensor:
     def partner(self) -> NDArray[np.intp]:
         """Columns that are read at the same time by other taps, (n_partners, n_columns), or -1.
 
-        Of halves and quarters, whether taps read in one direction or towards each other; the
-        partners of odd and even columns are neighbours, and no partners here.
+        Of halves and quarters, whether taps read in one direction or towards each other, and what
+        they read a pixel earlier or later; the partners of odd and even columns are neighbours, and
+        no partners here.
         """
         n, taps = self.n_columns, self.n_taps
         columns = np.arange(n)
         if taps < 2 or self.camera.tap_layout == "odd_even":
             return np.zeros((0, n), np.intp)
         width = n // 2 if self.camera.tap_layout in {"halves", "quadrants"} else n // taps
-        along = np.where(columns + width < n, columns + width, -1)
-        mirrored = n - 1 - columns
-        mirrored = np.where(mirrored > columns, mirrored, -1)
-        return np.stack([along, mirrored]).astype(np.intp)
+        read = [columns + width, n - 1 - columns]
+        pairs = np.stack([each + late for late in (0, -1, 1) for each in read])
+        return np.where((pairs > columns) & (pairs < n), pairs, -1).astype(np.intp)

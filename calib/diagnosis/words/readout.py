@@ -3,6 +3,7 @@
 from calib.diagnosis.words.telling import Sentence, Telling
 from calib.forward.code_fault import CodeFault
 
+_WHEN = {False: "reads at the same time", True: "has read just before"}
 _WHOSE = {False: "All", True: "Each tap's"}
 _SHARED_BY = {"row": "columns of a line move", "frame": "pixels of a frame move"}
 
@@ -66,7 +67,7 @@ READOUT: dict[str, Sentence] = {
     ),
     "tap_crosstalk": lambda t: (
         f"Each tap {t.either('fraction', 'adds', 'takes off')} {t.share('fraction')} of what its "
-        "partner reads at the same time: tap crosstalk."
+        f"partner {_WHEN[bool(t.value('pixels_before'))]}: tap crosstalk."
     ),
     "line_noise": lambda t: (
         f"{_WHOSE[bool(t.value('each_tap'))]} "

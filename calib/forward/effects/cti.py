@@ -22,18 +22,15 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from calib.arrays import Columns, Lines
-from calib.errors import InputError
 from calib.forward.conditions import Conditions
 from calib.forward.departure import Departure, Statistic, Variable
 from calib.forward.effect import Stage
 from calib.forward.parameter import parameter
 from calib.forward.partition import part_of
 from calib.forward.plan_needs import first_lack, flats, neighbours
-from calib.forward.taps import LAYOUTS, check_layout, columns_of_tap, tap_count
+from calib.forward.registers import READOUTS, check_readout, registers
+from calib.forward.taps import LAYOUTS, check_layout
 from calib.recording.header import Block, CameraHeader
-
-READOUTS = ("left", "right", "both")
-"""Where the register's output is: at column 0, at the last column, or one at each end."""
 
 
 @dataclass(frozen=True)
@@ -118,45 +115,9 @@ class Cti(Departure):
 
     def check_camera(self, camera: CameraHeader) -> None:
         """Raise InputError unless `readout`, and taps that have registers, are the camera's."""
-        if self.readout != camera.readout:
-            raise InputError(
-                f"effect cti: readout is {self.readout!r}, but the camera's is "
-                f"{camera.readout!r}; give one for both.",
-                code="readout-mismatch",
-            )
+        check_readout(self.readout, camera, "effect cti")
         if self.tap_layout != "single":
             check_layout(self.tap_layout, camera, "effect cti")
-
-
-def registers(readout: str, n_columns: int, tap_layout: str = "single") -> tuple[slice, ...]:
-    """Return each register's columns in the order in which they are read.
-
-    >>> np.arange(5)[registers("both", 5)[1]]
-    array([4, 3])
-    >>> np.arange(5)[registers("right", 5, "odd_even")[0]]
-    array([4, 2, 0])
-    """
-    # A row of quadrants is one of halves, and so is a line that is read at both of its ends.
-    halved = tap_layout == "quadrants" or (tap_layout == "single" and readout == "both")
-    layout = "halves" if halved else tap_layout
-    n_taps = tap_count(layout)
-    found = []
-    for tap in range(n_taps):
-        columns = columns_of_tap(layout, n_columns, tap)
-        rightwards = readout == "right" or (readout == "both" and 2 * tap >= n_taps)
-        step = n_taps if layout == "odd_even" else 1
-        found.append(_stretch(columns, -step if rightwards else step))
-    return tuple(found)
-
-
-def _stretch(columns: NDArray[np.intp], step: int) -> slice:
-    """Return ascending columns, `step` apart, as a slice; downwards where the step is."""
-    if not columns.size:
-        return slice(0, 0)
-    first, last = int(columns[0]), int(columns[-1])
-    if step > 0:
-        return slice(first, last + 1, step)
-    return slice(last, first - 1 if first else None, step)
 
 
 def transfers_of_column(readout: str, n_columns: int, tap_layout: str = "single") -> Columns:

@@ -87,8 +87,10 @@ def test_what_follows_the_signal_by_a_law_of_its_own_keeps_its_name(effect: Depa
     assert_alone(effect, evidence, NAMES)
 
 
-def assert_alone(effect: Departure, evidence: Evidence, names: tuple[str, ...]) -> None:
-    """Assert that an effect is found, and nothing is left."""
+def assert_alone(
+    effect: Departure, evidence: Evidence, names: tuple[str, ...]
+) -> tuple[Departure, ...]:
+    """Assert that an effect is found, and nothing is left; return it as it was fitted."""
     responder = responder_of(evidence)
     scales = scales_of(evidence, responder)
     shapes = [shape for name in names for shape in shapes_of(effect_named(name), scales)]
@@ -97,6 +99,20 @@ def assert_alone(effect: Departure, evidence: Evidence, names: tuple[str, ...]) 
     model = find(contest, beside(None, evidence))
     assert [m.effect.name for m in model.members] == [effect.name]
     assert unexplained_deviance(model, evidence) == 0.0
+    return tuple(m.effect for m in model.members)
+
+
+@pytest.mark.parametrize(("layout", "mirrored"), [("odd_even", False), ("halves", False)])
+def test_what_a_partner_read_before_is_crosstalk_and_no_capacitance(
+    layout: str, mirrored: bool
+) -> None:
+    rng, effect = default_rng(), TapCrosstalk(0.02, layout, mirrored, pixels_before=1)
+    model = plain_model(COLUMNS, taps=2, layout=layout)
+    evidence = recorded(model, plan(rng, 60), rng, (effect,))
+    names = ("tap_crosstalk", "interpixel_capacitance", "brighter_fatter")
+    [found] = assert_alone(effect, evidence, names)
+    assert isinstance(found, TapCrosstalk)
+    assert (found.pixels_before, found.mirrored) == (1, mirrored)
 
 
 class OneWay(TapCrosstalk):

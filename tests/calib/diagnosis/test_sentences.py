@@ -54,6 +54,7 @@ CASES: tuple[tuple[str, dict[str, object], str], ...] = (
     ("gain_drift", {"amplitude": 0.02, "time_constant_s": 100.0}, "rose by 1.9 %"),
     ("nonlinearity", {"beta_per_dn": 2e-6}, "read 0.60 % too low"),
     ("tap_crosstalk", {"fraction": -0.005}, "takes off 0.50 %"),
+    ("tap_crosstalk", {"pixels_before": 1}, "what its partner has read just before"),
     ("line_noise", {"std_dn": 0.5}, "All columns of a line move together, by 0.50 DN"),
     ("line_noise", {"shared_by": "frame"}, "All pixels of a frame move together"),
     ("line_noise", {"each_tap": True}, "Each tap's columns of a line move together"),

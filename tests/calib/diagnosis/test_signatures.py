@@ -34,6 +34,7 @@ EFFECTS = (
     InterpixelCapacitance(0.02),
     BrighterFatter(2e-6),
     TapCrosstalk(0.02, "odd_even"),
+    TapCrosstalk(0.02, "odd_even", pixels_before=1),
     Lag(0.005),
     Lag(0.005, 0.0),
     Cti(3e-4, exponent=1.5, partition_noise=0.0, tap_layout="odd_even"),

@@ -94,6 +94,26 @@ def test_crosstalk_shows_a_ghost_where_the_partner_reads_at_that_time(
     assert np.allclose(mixed.apply(point(shape, seen), at(), RNG), wanted)
 
 
+EARLIER = {
+    "odd and even": ("odd_even", False, "left", 8, 5, 6),
+    "odd and even from the right": ("odd_even", False, "right", 8, 5, 2),
+    "halves inwards": ("halves", True, "both", 8, 2, 4),
+    "quarters": ("quarters", False, "left", 16, 5, 2),
+}
+
+
+@pytest.mark.parametrize(
+    ("layout", "mirrored", "readout", "n", "seen", "ghost"), EARLIER.values(), ids=EARLIER
+)
+def test_crosstalk_may_show_what_the_partner_has_read_just_before(  # noqa: PLR0917
+    layout: str, mirrored: bool, readout: str, n: int, seen: int, ghost: int
+) -> None:
+    mixed = TapCrosstalk(0.01, layout, mirrored, pixels_before=1, readout=readout)
+    wanted = point((n,), (seen,))
+    wanted[0, ghost] = 10.0
+    assert np.allclose(mixed.apply(point((n,), (seen,)), at(), RNG), wanted)
+
+
 @pytest.mark.parametrize(("layout", "n", "alone"), [("halves", 7, 3), ("odd_even", 5, 4)])
 def test_a_column_too_many_has_no_partner(layout: str, n: int, alone: int) -> None:
     signal = point((n,), (alone,))
