@@ -184,7 +184,8 @@ def _faults(model: Model, k: int | None) -> tuple[CodeFault, ...]:
 
 def told_twice(shape: Shape, others: Sequence[Member]) -> float:
     """Return what a shape is credited with and one of `others` is as well."""
-    return min(shape.shared, max((m.signature.shape.shared for m in others), default=0.0))
+    shared = dict(shape.shared)
+    return max((shared.get(m.signature.shape.name, 0.0) for m in others), default=0.0)
 
 
 def _told_twice_by(model: Model, k: int) -> float:

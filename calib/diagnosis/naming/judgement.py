@@ -96,7 +96,7 @@ def _explained(deviance: float, price: float, shape: Shape) -> Explained:
 
     What single codes contradict hangs on shapes as all that is explained does.
     """
-    credit = max(-shape.cost, 0.0) + min(shape.credit, 0.0)
+    credit = max(-shape.cost, 0.0) + min(shape.credit + shape.of_codes, 0.0)
     rates = [unit for name, unit, _ in shape.varied if name == RATES and isinstance(unit, tuple)]
     pixels = min(float(sum(map(len, rates))), shape.freedom)
     return Explained(deviance + credit, price + credit, pixels)

@@ -1,45 +1,38 @@
-"""What heavy tails and tracks of charge are credited with beyond what sums of counts show of them.
+"""What heavy tails, tracks of charge and bits that stick are credited with beyond sums of counts.
 
 Counts of what is far out are summed and whitened so that fits are linear; a handful of samples
 where chance makes none is worth far more than their number. What the samples themselves say, less
-what the sums do, is a credit of the name. Both names are credited with what either explains, so
-together they are charged what they share. Where bits that flip explain the samples better, names
+what the sums do, is a credit of the name. Each name is credited with all that it explains, so two
+together are charged what they share. Where bits that flip explain the samples far better, others
 are credited with what they explain beside those. Readings that only rise are tails, too, unlike the
 tracks in that nothing is beside them and that they follow no exposure.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import combinations
 from math import log
 
-import numpy as np
-from numpy.typing import NDArray
-
 from calib.diagnosis.evidence.evidence import Evidence
+from calib.diagnosis.shapes.far_claims import Cause, Claim, counted, deviance_beside, likeliest
 from calib.diagnosis.shapes.far_events import FarEvents, far_events
-from calib.diagnosis.shapes.far_likelihood import (
-    flipped,
-    hit,
-    most_likely,
-    raised,
-    tailed,
-)
-from calib.diagnosis.statistics.rare import SINGLE
-
-Floats = NDArray[np.float64]
-Cause = tuple[Floats, float]
+from calib.diagnosis.shapes.far_flips import Bit, flipped, stuck
+from calib.diagnosis.shapes.far_likelihood import hit, raised, tailed
+from calib.forward.effects.cosmic_rays import CosmicRays
+from calib.forward.effects.heavy_tailed_noise import HeavyTailedNoise
+from calib.forward.effects.stuck_bit import StuckBit
 
 TAIL_NOISES = (6.0, 15.0)
 """Standard deviations of the noisier readings that are tried, over the read noise."""
 CHARGE_NOISES = (4.0, 12.0, 40.0, 150.0, 600.0)
 """Mean charges that a pixel is left by a track, likewise."""
 MOST = 100.0
-"""Deviance that both are credited with at the most, and the likelier one beyond the other."""
+"""Deviance that two names are credited with at the most, and the likeliest one beyond the next."""
 LEFT = 0.1
 """Of what one explains, so much may be left, since its law may be another one: Laplace's."""
 SURELY = 16.0
 """So much more have bits that flip to explain: two samples are a power of two off by chance."""
-EVERY_NOISE = 3
-"""Sums of each kind of single sample: blocks are told apart by their noise."""
+TAILS, RAYS, BITS = HeavyTailedNoise.name, CosmicRays.name, StuckBit.name
 
 
 @dataclass(frozen=True)
@@ -49,72 +42,84 @@ class FarCredit:
     Attributes:
         tails: Of heavy tails.
         rays: Of tracks of charge.
-        shared: What the two are credited with twice.
+        bits: Of bits that stick, by which and at which value, the likeliest first; only those that
+            explain something.
+        shared: What two names are credited with twice, by name, and then by the other.
     """
 
-    tails: float
-    rays: float
-    shared: float
+    tails: float = 0.0
+    rays: float = 0.0
+    bits: Mapping[Bit, float] = field(default_factory=dict)
+    shared: Mapping[str, Mapping[str, float]] = field(
+        default_factory=lambda: {name: {} for name in (TAILS, RAYS, BITS)}
+    )
 
 
 def far_credit(evidence: Evidence) -> FarCredit:
-    """Return what the samples far out say of both names."""
+    """Return what the samples far out say of these names."""
     events = far_events(evidence)
     if len(events.off_dn) == 0:
-        return FarCredit(0.0, 0.0, 0.0)
-    of_tails_tried = [each(events, evidence, x) for each in (tailed, raised) for x in TAIL_NOISES]
-    tails, tails_alone = _best(of_tails_tried, [])
-    rays, rays_alone = _best([hit(events, evidence, x) for x in CHARGE_NOISES], [])
-    beside = _flips(events, evidence, max(tails_alone, rays_alone))
-    of_tails, of_rays, both = (
-        _beyond(causes, beside) for causes in ([tails], [rays], [tails, rays])
-    )
-    sums = evidence.rare_space.whitened(evidence.rare_space.seen) ** 2
-    above, below, tracks = sums[: len(SINGLE) * EVERY_NOISE].reshape(len(SINGLE), -1).sum(axis=1)
-    tried = [2.0 * log(len(each)) for each in (of_tails_tried, CHARGE_NOISES)]
-    of_tails = _credited(of_tails - tried[0], above + below)
-    of_rays = _credited(of_rays - tried[1], above + tracks)
-    both = max(_credited(both - sum(tried), above + below + tracks), of_tails, of_rays)
-    # What one explains beside the other, and beside what the other's shape leaves.
-    tails_too, rays_too = (both - (1.0 + LEFT) * each for each in (of_rays, of_tails))
-    least = min(of_tails, of_rays, MOST)
-    apart = of_tails - of_rays
-    of_tails = least + min(max(apart, 0.0), MOST)
-    of_rays = least + min(max(-apart, 0.0), MOST)
-    shared = max(of_tails - tails_too, of_rays - rays_too, 0.0)
-    return FarCredit(of_tails, of_rays, min(shared, of_tails, of_rays))
+        return FarCredit()
+    sums = counted(evidence)
+    bits = _of_bits(events, evidence, sums)
+    bit = max(bits, key=lambda each: bits[each].credit)
+    claims = {**_of_others(events, evidence, sums, bits[bit]), BITS: bits[bit]}
+    credit = {name: claim.credit for name, claim in claims.items()}
+    _, second, _ = sorted(credit.values(), reverse=True)
+    beyond, most = max(second - MOST, 0.0), min(second, MOST) + MOST
+    held = {name: min(max(each - beyond, 0.0), most) for name, each in credit.items()}
+    shared: dict[str, dict[str, float]] = {name: {} for name in claims}
+    for one, other in combinations(claims, 2):
+        twice = _shared(claims[one], claims[other], held[one], held[other])
+        shared[one][other] = shared[other][one] = twice
+    of_bits = {b: min(max(claim.credit - beyond, 0.0), most) for b, claim in bits.items()}
+    likely = sorted((b for b in bits if of_bits[b] > 0), key=lambda b: -bits[b].credit)
+    return FarCredit(held[TAILS], held[RAYS], {b: of_bits[b] for b in likely}, shared)
 
 
-def _credited(deviance: float, of_sums: float) -> float:
-    """Return what is beyond the sums'; nothing where these have nothing to take a strength from."""
-    return max(deviance - of_sums, 0.0) if of_sums > 0 else 0.0
+def _of_bits(events: FarEvents, evidence: Evidence, sums: Mapping[str, float]) -> dict[Bit, Claim]:
+    """Return what each bit that sticks at each value claims."""
+    causes = stuck(events, evidence)
+    price = 2.0 * log(len(causes))
+    return {
+        (bit, value): Claim((cause,), (), price, {k: sums[k] for k in _counts_of(bit, value)})
+        for (bit, value), cause in causes.items()
+    }
 
 
-def _best(causes: list[Cause], beside: list[Cause]) -> tuple[Cause, float]:
-    """Return the likeliest of `causes`, and its deviance beside others."""
-    found = [_beyond([cause], beside) for cause in causes]
-    k = int(np.argmax(found))
-    return causes[k], found[k]
+def _counts_of(bit: int, value: int) -> tuple[str, str]:
+    """Return which counts hold samples that a bit has moved: those of its own only far out."""
+    return ("above", f"raised_{bit}") if value else ("below", f"lowered_{bit}")
 
 
-def _flips(events: FarEvents, evidence: Evidence, least: float) -> list[Cause]:
-    """Return bits that flip, if they explain far more than `least`."""
-    any_bit, *each = flipped(events, evidence)
-    one, alone = _best(each, [])
-    _, of_any = _best([any_bit], [])
-    alone -= 2.0 * log(len(each))
-    if max(alone, of_any) <= least + SURELY:
-        return []
-    return [one, any_bit]
+def _of_others(
+    events: FarEvents, evidence: Evidence, sums: Mapping[str, float], bit: Claim
+) -> dict[str, Claim]:
+    """Return what tails and tracks claim, beside flips if these explain far more."""
+    tried: dict[str, list[Cause]] = {
+        TAILS: [each(events, evidence, x) for each in (tailed, raised) for x in TAIL_NOISES],
+        RAYS: [hit(events, evidence, x) for x in CHARGE_NOISES],
+    }
+    best = {name: likeliest(causes, ()) for name, causes in tried.items()}
+    least = max(deviance_beside((cause,), ()) for cause in best.values())
+    any_bit = flipped(events, evidence)
+    flips = max(deviance_beside(bit.causes, ()) - bit.price, deviance_beside((any_bit,), ()))
+    beside = (*bit.causes, any_bit) if flips > least + SURELY else ()
+    counts = {TAILS: ("above", "below"), RAYS: ("above", "tracks")}
+    return {
+        name: Claim(
+            (best[name],), beside, 2.0 * log(len(tried[name])), {k: sums[k] for k in counts[name]}
+        )
+        for name in tried
+    }
 
 
-def _beyond(causes: list[Cause], beside: list[Cause]) -> float:
-    return _deviance([*causes, *beside]) - _deviance(beside)
-
-
-def _deviance(causes: list[Cause]) -> float:
-    if not causes:
+def _shared(one: Claim, other: Claim, held: float, held_other: float) -> float:
+    """Return what two claims, credited with so much each, are credited with twice."""
+    if len(one.beside) != len(other.beside):
+        # What tails explain beside flips these have no part in.
         return 0.0
-    return most_likely(
-        np.stack([ratio for ratio, _ in causes]), np.array([expected for _, expected in causes])
-    )
+    both = max(one.and_(other).credit, one.credit, other.credit)
+    # What one explains beside the other, and beside what the other's shape leaves.
+    too, other_too = (both - (1.0 + LEFT) * each.credit for each in (other, one))
+    return min(max(held - too, held_other - other_too, 0.0), held, held_other)

@@ -35,6 +35,7 @@ class FarEvents:
         beside_sigma: What lies beside them over its noise, (n, n_beside); nan beyond the edge.
         null: Logarithms of their density, 1/DN, without a cause, (n,).
         exposure: Of their blocks over the mean exposure, (n,).
+        code: As they are stored, (n,).
     """
 
     off_dn: Floats
@@ -43,6 +44,7 @@ class FarEvents:
     beside_sigma: Floats
     null: Floats
     exposure: Floats
+    code: NDArray[np.intp]
 
 
 def far_events(evidence: Evidence) -> FarEvents:
@@ -75,6 +77,7 @@ def _of_block(b: int, skipped: NDArray[np.intp], evidence: Evidence) -> FarEvent
         far.beside_dn[used] / np.sqrt(variance)[:, None],
         np.logaddexp(log_density(off, gain, signal, variance), np.log(anywhere)),
         np.full(len(at), relative_exposure(evidence)[b]),
+        far.code[used],
     )  # fmt: skip
 
 

@@ -28,7 +28,7 @@ def tailed(events: FarEvents, evidence: Evidence, noises: float) -> tuple[Floats
     """Return density ratios of readings of `noises` times the read noise, and how many are far."""
     base = evidence.baseline
     wide = events.variance_dn2 + noises**2 * events.read_dn2
-    log_ratio = _normal(events.off_dn, wide) - events.null
+    log_ratio = normal(events.off_dn, wide) - events.null
     beside = np.where(np.isfinite(events.beside_sigma), events.beside_sigma, 0.0)
     share = (events.variance_dn2 / wide)[:, None]
     likelier = np.exp(np.minimum(0.5 * beside**2 * (1.0 - share), 300.0)) * np.sqrt(share)
@@ -36,7 +36,7 @@ def tailed(events: FarEvents, evidence: Evidence, noises: float) -> tuple[Floats
     variance = base.variance_dn2.reshape(evidence.n_blocks, -1)
     read = base.read_variance_dn2[evidence.sensor.tap].ravel()
     far = 2.0 * ndtr(-LEAST_SIGMA * np.sqrt(variance / (variance + noises**2 * read)))
-    return _ratio(log_ratio + by_chance), float((_samples(evidence) * far).sum())
+    return ratio_of(log_ratio + by_chance), float((samples_of(evidence) * far).sum())
 
 
 def raised(events: FarEvents, evidence: Evidence, noises: float) -> tuple[Floats, float]:
@@ -50,7 +50,7 @@ def raised(events: FarEvents, evidence: Evidence, noises: float) -> tuple[Floats
     sigma = np.sqrt(base.variance_dn2.reshape(evidence.n_blocks, -1))
     q = noises * np.sqrt(base.read_variance_dn2[evidence.sensor.tap].ravel())
     far = np.exp(_charged(LEAST_SIGMA * sigma, sigma**2, q)) * q + ndtr(-LEAST_SIGMA)
-    return _ratio(log_ratio), float((_samples(evidence) * far).sum())
+    return ratio_of(log_ratio), float((samples_of(evidence) * far).sum())
 
 
 def hit(events: FarEvents, evidence: Evidence, noises: float) -> tuple[Floats, float]:
@@ -60,32 +60,16 @@ def hit(events: FarEvents, evidence: Evidence, noises: float) -> tuple[Floats, f
     log_ratio = _charged(events.off_dn, events.variance_dn2, mean) - events.null
     beside = np.where(np.isfinite(events.beside_sigma), events.beside_sigma, 0.0)
     over = (mean / np.sqrt(events.variance_dn2))[:, None]
-    gained = _charged(beside, np.ones_like(beside), over) - _normal(beside, np.ones_like(beside))
+    gained = _charged(beside, np.ones_like(beside), over) - normal(beside, np.ones_like(beside))
     share = HIT_BESIDE / beside.shape[1]
     tracks = np.log1p(share * (np.exp(np.minimum(gained, 300.0)) - 1.0)).sum(axis=1)
-    ratio = _ratio(log_ratio + tracks) * events.exposure
+    ratio = ratio_of(log_ratio + tracks) * events.exposure
     sigma = np.sqrt(base.variance_dn2.reshape(evidence.n_blocks, -1))
     q = noises * np.sqrt(base.read_variance_dn2[evidence.sensor.tap].ravel())
     far = np.exp(_charged(LEAST_SIGMA * sigma, sigma**2, q)) * q + ndtr(-LEAST_SIGMA)
-    expected = _samples(evidence) * far * relative_exposure(evidence)[:, None]
+    expected = samples_of(evidence) * far * relative_exposure(evidence)[:, None]
     # Of those side by side in a track, the farthest is an event.
     return ratio, float(expected.sum()) / (1.0 + HIT_BESIDE)
-
-
-def flipped(events: FarEvents, evidence: Evidence) -> list[tuple[Floats, float]]:
-    """Return density ratios of bits that flip: of any bit, then of each by itself, up or down."""
-    variance = evidence.baseline.variance_dn2.reshape(evidence.n_blocks, -1)
-    sigma, samples = np.sqrt(variance), _samples(evidence)
-    found = []
-    for bit in range(evidence.sensor.camera.bit_depth):
-        moved = 2.0**bit
-        far = float((samples * ndtr(moved / sigma - LEAST_SIGMA)).sum())
-        for sign in (1.0, -1.0):
-            log_ratio = _normal(events.off_dn - sign * moved, events.variance_dn2) - events.null
-            found.append((_ratio(log_ratio), far))
-    share = 1.0 / len(found)
-    every = sum((ratio for ratio, _ in found), np.zeros_like(events.null)) * share
-    return [(every, sum(far for _, far in found) * share), *found]
 
 
 def most_likely(ratios: Floats, expected: Floats) -> float:
@@ -106,7 +90,7 @@ def most_likely(ratios: Floats, expected: Floats) -> float:
     return 2.0 * max(float(found), 0.0)
 
 
-def _samples(evidence: Evidence) -> Floats:
+def samples_of(evidence: Evidence) -> Floats:
     """Return how many samples of each pixel and block count, (n_blocks, n_pixels)."""
     used = evidence.baseline.usable.reshape(evidence.n_blocks, -1).copy()
     used[evidence.saturated] = False
@@ -114,11 +98,13 @@ def _samples(evidence: Evidence) -> Floats:
     return np.asarray(evidence.n[:, None] * used)
 
 
-def _ratio(log_ratio: Floats) -> Floats:
+def ratio_of(log_ratio: Floats) -> Floats:
+    """Return ratios, (n,), that are finite whatever their logarithms."""
     return np.asarray(np.exp(np.minimum(log_ratio, 300.0)))
 
 
-def _normal(off: Floats, variance: Floats) -> Floats:
+def normal(off: Floats, variance: Floats) -> Floats:
+    """Return ln of the density of Gaussian noise, 1/DN."""
     return np.asarray(-0.5 * off**2 / variance - 0.5 * np.log(2.0 * np.pi * variance))
 
 

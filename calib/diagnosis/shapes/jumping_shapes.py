@@ -7,7 +7,7 @@ import numpy as np
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.evidence.jumping import jumping_pixels
 from calib.diagnosis.evidence.standing_out import steps
-from calib.diagnosis.shapes.far_credit import EVERY_NOISE
+from calib.diagnosis.shapes.far_claims import EVERY_NOISE
 from calib.diagnosis.shapes.shape import Shape
 from calib.diagnosis.statistics.rare import SINGLE
 from calib.forward.effects.rts_pixels import RtsPixels

@@ -19,7 +19,8 @@ class Shape:
         two_sided: Whether the strength may be negative.
         freedom: How many numbers were fitted to the recording to arrive at this shape.
         credit: Deviance that single samples give it beyond what sums of counts do.
-        shared: Of that, what a name beside it is credited with, too.
+        of_codes: Likewise of counts of single codes; less than 0 where these contradict it.
+        shared: Of the credit, what other names beside it are credited with, too, by name.
     """
 
     template: Departure
@@ -27,12 +28,13 @@ class Shape:
     two_sided: bool
     freedom: float = 0.0
     credit: float = 0.0
-    shared: float = 0.0
+    of_codes: float = 0.0
+    shared: tuple[tuple[str, float], ...] = ()
 
     @property
     def cost(self) -> float:
         """Deviance that it explains by chance: what it was fitted to is what it is tried on."""
-        return 2.0 * self.freedom - self.credit
+        return 2.0 * self.freedom - self.credit - self.of_codes
 
     @property
     def name(self) -> str:

@@ -4,6 +4,7 @@ A template of such an effect drawn at random has next to nothing in common with 
 These are fitted to the residual of the baseline, and pay for what they were fitted with.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import log
 
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.evidence.evidence import Evidence
-from calib.diagnosis.shapes.far_credit import TAIL_NOISES, far_credit
+from calib.diagnosis.shapes.far_credit import TAIL_NOISES, FarCredit, far_credit
 from calib.diagnosis.shapes.faulty_tap import faulty_tap
 from calib.diagnosis.shapes.jumping_shapes import jumping_shapes
 from calib.diagnosis.shapes.repeated import repeated_shapes
@@ -50,11 +51,11 @@ def told_shapes(evidence: Evidence) -> dict[str, tuple[Shape, ...]]:
         RtsPixels.name: jumping_shapes(evidence),
         AdcInl.name: turning_shapes(evidence),
         AdcDnl.name: _dnl(evidence),
-        StuckBit.name: _stuck(evidence),
+        StuckBit.name: _stuck(evidence, far),
         BlackClip.name: stop_shapes(evidence),
-        CosmicRays.name: _credited(rays, far.rays, far.shared),
+        CosmicRays.name: _credited(rays, far.rays, far),
         DuplicatedLines.name: repeated_shapes(evidence),
-        HeavyTailedNoise.name: _credited(tails, far.tails, far.shared),
+        HeavyTailedNoise.name: _credited(tails, far.tails, far),
     }
 
 
@@ -82,8 +83,10 @@ def _of_noise(
     )
 
 
-def _credited(shapes: tuple[Shape, ...], credit: float, shared: float) -> tuple[Shape, ...]:
-    return tuple(replace(each, credit=credit, shared=shared) for each in shapes)
+def _credited(shapes: Sequence[Shape], credit: float, far: FarCredit) -> tuple[Shape, ...]:
+    return tuple(
+        replace(each, credit=credit, shared=tuple(far.shared[each.name].items())) for each in shapes
+    )
 
 
 def _hot(evidence: Evidence) -> tuple[Shape, ...]:
@@ -117,11 +120,12 @@ def _dnl(evidence: Evidence) -> tuple[Shape, ...]:
     return tuple(shapes)
 
 
-def _stuck(evidence: Evidence) -> tuple[Shape, ...]:
+def _stuck(evidence: Evidence, far: FarCredit) -> tuple[Shape, ...]:
     """Return the bits that look most as if they stuck, at 0 and at 1, of all taps or of one."""
-    suspect = [(int(bit), value) for bit in suspect_bits(evidence)[:BITS] for value in (0, 1)]
+    bits = dict.fromkeys([*map(int, suspect_bits(evidence)[:BITS]), *_likeliest(far)])
+    suspect = [(bit, value) for bit in bits for value in (0, 1)]
     layout, n_taps = evidence.sensor.camera.tap_layout, evidence.sensor.n_taps
-    shapes = []
+    shapes: list[Shape] = []
     for bit, value in suspect:
         chance = _told_chance(bit, value, evidence)
         for tap in dict.fromkeys((None, faulty_tap(bit, value, evidence))):
@@ -129,8 +133,14 @@ def _stuck(evidence: Evidence) -> tuple[Shape, ...]:
             template = StuckBit(bit=bit, value=value)
             if tap is not None:
                 template = replace(template, only_tap=tap, tap_layout=layout)
-            shapes.append(Shape(template, (("probability", unit, 0.0),), two_sided=False))
+            shape = Shape(template, (("probability", unit, 0.0),), two_sided=False)
+            shapes += _credited([shape], far.bits.get((bit, value), 0.0), far)
     return tuple(shapes)
+
+
+def _likeliest(far: FarCredit) -> list[int]:
+    """Return the bit that the samples far out tell, if any."""
+    return [bit for bit, _ in far.bits][:1]
 
 
 def _told_chance(bit: int, value: int, evidence: Evidence) -> float:

@@ -54,7 +54,7 @@ def with_code_credit(
     found = list(signatures)
     for k, gain in gains.items():
         credit = gain - numbers[k] - beyond
-        found[k] = replace(found[k], shape=replace(found[k].shape, credit=credit))
+        found[k] = replace(found[k], shape=replace(found[k].shape, of_codes=credit))
     return tuple(found)
 
 

@@ -30,18 +30,20 @@ class FarSamples:
         variance_dn2: Of its pixel without it, (n,).
         beside_dn: What lies beside it in its line or frame, from their means, (n, n_beside); nan
             beyond the edge.
+        code: As it is stored, (n,).
     """
 
     pixel: Whole
     off_dn: Floats
     variance_dn2: Floats
     beside_dn: Floats
+    code: Whole
 
     @classmethod
     def none(cls) -> "FarSamples":
         """Return that there are none."""
-        nothing = np.zeros(0)
-        return cls(np.zeros(0, np.intp), nothing, nothing, np.zeros((0, 1)))
+        nothing, nowhere = np.zeros(0), np.zeros(0, np.intp)
+        return cls(nowhere, nothing, nothing, np.zeros((0, 1)), nowhere)
 
 
 def far_samples(  # noqa: PLR0917 - all that they depend on
@@ -72,7 +74,7 @@ def far_samples(  # noqa: PLR0917 - all that they depend on
     off = samples[:, row, column].astype(np.float64) - mean[row, column]
     off -= line_means[:, row, tap[row, column]]
     line, k = np.nonzero(np.abs(off) > np.maximum(cut[row, column], 1.0))
-    off, pixel = off[line, k], which[k]
+    off, pixel, code = off[line, k], which[k], samples[line, row[k], column[k]].astype(np.intp)
     rest = without_one(off, variance.ravel()[pixel], len(samples))
     usual = local.ravel()[pixel]
     wide = rest > usual * (1.0 + WIDER * np.sqrt(2.0 / len(samples)))
@@ -82,7 +84,7 @@ def far_samples(  # noqa: PLR0917 - all that they depend on
     first = (size >= np.nan_to_num(np.abs(beside)).max(axis=1, initial=0.0)) & (
         size > LEAST_SIGMA * np.sqrt(held)
     )
-    return FarSamples(pixel[first], off[first], held[first], beside[first])
+    return FarSamples(pixel[first], off[first], held[first], beside[first], code[first])
 
 
 def without_one(off: Floats, variance: Floats, n: int) -> Floats:

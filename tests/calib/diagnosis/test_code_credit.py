@@ -53,7 +53,7 @@ def test_a_weak_comb_is_credited_with_what_its_counts_say() -> None:
     evidence = drawn(AdcDnl(0.0, widths_dn=(1.03, 0.97), bit_depth=BITS))
     shapes = [told_shapes(evidence)[AdcDnl.name]]
     signatures = all_signatures(shapes, evidence, responder_of(evidence), lambda _: None)
-    most = max(each.shape.credit for each in with_code_credit(signatures, evidence))
+    most = max(each.shape.of_codes for each in with_code_credit(signatures, evidence))
     counts = evidence.code_counts
     numbers = counts.whitened(counts.residual())
     # 0.03^2 of 92,000 samples and more are 83 of deviance, a normal number of 9.1 squared.
@@ -70,7 +70,7 @@ def test_what_a_strong_comb_errs_by_is_no_other_name() -> None:
     # 5 % of 0.6, squared, of 92,000 samples and more are 83 of deviance.
     told = 0.95 * change_of((strong,), evidence, responder).codes[0]
     found = with_code_credit(signatures, evidence, told)
-    assert max(each.shape.credit for each in found) < THRESHOLD
+    assert max(each.shape.of_codes for each in found) < THRESHOLD
 
 
 @pytest.mark.parametrize("value", [0, 1])

@@ -18,7 +18,6 @@ from calib.forward.conditions import Conditions
 from calib.forward.effect import Effect
 from calib.forward.effects.cosmic_rays import CosmicRays
 from calib.forward.effects.heavy_tailed_noise import HeavyTailedNoise
-from calib.forward.effects.stuck_bit import StuckBit
 from calib.recording.header import CameraHeader
 from tests.calib.diagnosis.recordings import plain_model, plan, recorded
 
@@ -111,9 +110,3 @@ def test_readings_that_only_rise_are_no_tracks() -> None:
     # Each tells them apart by 0.7 of deviance, of some 130; as tails of both signs, by -4.
     found = _credit(Raised(share=2e-3, std_e=72.0), columns=512)
     assert found.tails > found.rays - THRESHOLD
-
-
-def test_bits_that_stick_are_credited_to_neither() -> None:
-    # 128 DN are beyond all noise, and always the same.
-    found = _credit(StuckBit(bit=7, value=1, probability=1e-3))
-    assert max(found.tails, found.rays) < THRESHOLD
