@@ -13,10 +13,14 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.shapes.far_events import FarEvents
 from calib.diagnosis.shapes.far_likelihood import normal, ratio_of, samples_of
 from calib.diagnosis.statistics.far_samples import LEAST_SIGMA
+from calib.forward.effects.stuck_bit import FLIPPED
 
 Floats = NDArray[np.float64]
 Bit = tuple[int, int]
-"""Which, and the value at which it sticks."""
+"""Which, and the value at which it sticks, or that it flips."""
+
+BOTH_FLIPPED = 1e-3
+"""Share of samples with the bit moved that is taken for the one beside another."""
 
 
 def stuck(events: FarEvents, evidence: Evidence) -> dict[Bit, tuple[Floats, float]]:
@@ -31,13 +35,14 @@ def stuck(events: FarEvents, evidence: Evidence) -> dict[Bit, tuple[Floats, floa
         far = samples_of(evidence) * ndtr(moved / sigma - LEAST_SIGMA)
         up = share_set(mean, sigma, moved)
         for value, free in ((0, up), (1, 1.0 - up)):
-            off = events.off_dn - (moved if value else -moved)
-            log_ratio = normal(off, events.variance_dn2) - events.null
+            log_ratio = _log_ratio(moved if value else -moved, events)
             stored = (events.code >> bit & 1) == value
             found[bit, value] = (
                 np.where(stored, ratio_of(log_ratio), 0.0),
                 float((far * free).sum()),
             )
+        down, up_too = found[bit, 0], found[bit, 1]
+        found[bit, FLIPPED] = (down[0] + up_too[0], float(far.sum()))
     return found
 
 
@@ -48,10 +53,18 @@ def flipped(events: FarEvents, evidence: Evidence) -> tuple[Floats, float]:
     ratio, far = np.zeros_like(events.null), 0.0
     for moved in 2.0 ** np.arange(depth):
         for sign in (1.0, -1.0):
-            log_ratio = normal(events.off_dn - sign * moved, events.variance_dn2) - events.null
-            ratio += ratio_of(log_ratio) / (2.0 * depth)
+            ratio += ratio_of(_log_ratio(sign * moved, events)) / (2.0 * depth)
         far += float((samples * ndtr(moved / sigma - LEAST_SIGMA)).sum()) / depth
     return ratio, far
+
+
+def _log_ratio(moved: float, events: FarEvents) -> Floats:
+    """Return ln of the density ratios of samples that were moved by so much, DN, (n,)."""
+    own = normal(events.off_dn - moved, events.variance_dn2) - events.null
+    over = (moved / np.sqrt(events.variance_dn2))[:, None]
+    beside = np.where(np.isfinite(events.beside_sigma), events.beside_sigma, 0.0)
+    likelier = np.exp(np.minimum(over * beside - 0.5 * over**2, 300.0))
+    return np.asarray(own + np.log1p(BOTH_FLIPPED * (likelier - 1.0)).sum(axis=1))
 
 
 def share_set(mean: Floats, sigma: Floats, width: float) -> Floats:
