@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.stats import chi2
 
 from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.imperfection import left_by_errors
@@ -18,10 +19,21 @@ from calib.diagnosis.naming.other_course import follows_signal
 from calib.diagnosis.naming.remainder import unexplained_deviance
 from calib.diagnosis.naming.scores import Score
 from calib.diagnosis.naming.support import supported
+from calib.diagnosis.shapes.of_effects import departures
 from calib.forward.departure import Variable
 
-THRESHOLD = 16.0
-"""Deviance, after its penalty, that chance alone reaches in about two of a hundred recordings."""
+FALSE_ALARMS = 0.02
+"""Of recordings in which nothing is hidden: in so many at most chance reaches the threshold."""
+THRESHOLD = float(chi2.isf(FALSE_ALARMS / len(departures()), 1))
+"""Deviance, after its price, by which a name of the catalogue is told from chance: 11.8 for 33.
+
+What chance explains along one direction is the square of a normal number, and each name may be the
+one that passes (Bonferroni). The best of n shapes, which pays 2 ln n, passes no oftener than one
+alone would; where shapes are alike, and strengths have one sign, alarms are rarer than that.
+"""
+BESIDE = 16.0
+"""The same of a name beside others: a story of two is dearer than one of a law with a free function
+(`PRICE`, 12), and what strong effects leave is no chance alone."""
 MOST_EFFECTS = 4
 SETTINGS: frozenset[Variable] = frozenset(
     {"level", "exposure", "temperature", "signal", "code", "column", "line", "tap"}
@@ -104,7 +116,13 @@ def as_found(contest: Contest, model: Model) -> Contest:
 
 
 def _cost(model: Model, contest: Contest) -> float:
-    return contest.penalised(model) + THRESHOLD * len(model.members)
+    names = range(1, len(model.members) + 1)
+    return contest.penalised(model) + sum(_asked(n) for n in names)
+
+
+def _asked(n: int) -> float:
+    """Return the deviance that the `n`-th name of a story has to explain."""
+    return THRESHOLD if n == 1 else BESIDE
 
 
 def _searched(contest: Contest, nothing: Model) -> Model:
@@ -119,7 +137,7 @@ def _searched(contest: Contest, nothing: Model) -> Model:
             model, tested = settled, True
             continue
         grown = _pruned(_best_placed(model, None, ranked, contest), contest)
-        if contest.penalised(grown) > contest.penalised(model) - THRESHOLD:
+        if contest.penalised(grown) > contest.penalised(model) - _asked(len(model.members) + 1):
             return model
         model = grown
 
@@ -129,7 +147,7 @@ def _beyond_errors(ranked: Sequence[Score], model: Model, contest: Contest) -> l
     return [
         score
         for score in ranked
-        if score.net > THRESHOLD
+        if score.net > _asked(len(model.members) + 1)
         and score.net > left_by_errors(score.signature.point, model, contest.evidence)
     ]
 
@@ -164,7 +182,7 @@ def _pruned(model: Model, contest: Contest) -> Model:
         return model
     gains = [contest.own_gain(model, k) for k in range(len(model.members))]
     least = int(np.argmin(gains))
-    if gains[least] - contest.price_beside(model, least) > THRESHOLD:
+    if gains[least] - contest.price_beside(model, least) > _asked(len(model.members)):
         return model
     kept = [m for j, m in enumerate(model.members) if j != least]
     return _pruned(contest.refitted(model, kept), contest)

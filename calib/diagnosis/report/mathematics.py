@@ -59,11 +59,12 @@ def mathematics(effects: Sequence[Departure]) -> tuple[tuple[str, Lines], ...]:
     thresholds: Lines = (
         (
             "",
-            f"An effect is added where it explains a deviance above {THRESHOLD:g} after a penalty "
-            "of 2 ln(shapes tried). A finding is ambiguous where a second name has a probability "
-            f"of {100 * AMBIGUOUS:g} % or more. A remainder beyond {CERTAIN_SIGMA:g} σ, all ways "
-            "of looking counted, is called unexplained. Deviance on what the fit did not see: "
-            f"minus twice the log predictive density of blocks left out, in {FOLDS} folds.",
+            f"An effect is added where it explains a deviance above {THRESHOLD:.1f} after a "
+            "penalty of 2 ln(shapes tried). A finding is ambiguous where a second name has a "
+            f"probability of {100 * AMBIGUOUS:g} % or more. A remainder beyond "
+            f"{CERTAIN_SIGMA:g} σ, all ways of looking counted, is called unexplained. Deviance "
+            "on what the fit did not see: minus twice the log predictive density of blocks left "
+            f"out, in {FOLDS} folds.",
         ),
     )
     parts = [("The plain model", MODEL), ("How it is compared", STATISTICS)]

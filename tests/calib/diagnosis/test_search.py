@@ -11,8 +11,8 @@ from calib.diagnosis.given.known import beside
 from calib.diagnosis.naming.contest import Contest
 from calib.diagnosis.naming.laws import laws
 from calib.diagnosis.naming.model import Model
-from calib.diagnosis.naming.search import find
-from calib.diagnosis.shapes.of_effects import shapes_of
+from calib.diagnosis.naming.search import FALSE_ALARMS, THRESHOLD, find
+from calib.diagnosis.shapes.of_effects import departures, shapes_of
 from calib.diagnosis.signatures.looked_for import scales_of
 from calib.diagnosis.signatures.signature import signature
 from calib.diagnosis.simulation.fitted_responder import responder_of
@@ -120,3 +120,21 @@ def test_of_profiles_and_noise_brighter_fatter_may_take_different_shares_and_cap
     assert not any(
         np.array_equal(part.means, coupled.change.means) for part in laws(coupled, clean()).parts
     )
+
+
+def test_chance_passes_the_threshold_about_as_often_as_is_said() -> None:
+    contest = contest_of(clean())
+    taken, draws = contest.signatures, 100_000
+    gram = np.array([[clean().product(a.point, b.point) for b in taken] for a in taken])
+    length = np.sqrt(np.diag(gram))
+    values, vectors = np.linalg.eigh(gram / np.outer(length, length))
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    amplitude = default_rng().standard_normal((draws, len(taken))) @ root.T
+    signed = np.array([each.shape.two_sided for each in taken])
+    gain = np.where(signed, amplitude, np.maximum(amplitude, 0.0)) ** 2
+    price = np.array([contest.price_of_shape(each.shape) for each in taken])
+    alarms = ((gain - price).max(axis=1) > THRESHOLD).sum()
+    # Of the catalogue's names some are tried here.
+    said = FALSE_ALARMS * draws * len(NAMES) / len(departures())
+    # Shapes that are alike, and strengths of one sign, make them rarer.
+    assert 0.1 * said < alarms < said + 5.0 * np.sqrt(said)
