@@ -58,7 +58,8 @@ def white_scatter(evidence: Evidence, expected: Floats) -> PixelScatter:
         expected: Variances, DN^2, (n_blocks, n_pixels).
     """
     excess, weight = _squares(evidence, expected)
-    return PixelScatter(excess, weight, _together(np.sqrt(weight) * excess, weight))
+    z = _as_normal(np.sqrt(weight) * excess, np.maximum(evidence.n - 1.0, 1.0)[:, None])
+    return PixelScatter(excess, weight, _together(z, weight))
 
 
 def lasting_scatter(evidence: Evidence, expected: Floats) -> PixelScatter:
@@ -68,12 +69,13 @@ def lasting_scatter(evidence: Evidence, expected: Floats) -> PixelScatter:
     products = np.stack([each.products.lines for each in evidence.sums])
     products = products.reshape(len(products), LINE_LAGS, -1)
     for lag in range(1, LINE_LAGS + 1):
-        pairs = np.maximum(evidence.n - lag, 1.0)[:, None]
-        lasting = products[:, lag - 1] / pairs + expected / evidence.n[:, None]
-        total += LASTS**lag * lasting * pairs / expected**2
+        pairs = np.maximum(evidence.n - lag, 0.0)[:, None]
+        lasting = products[:, lag - 1] + pairs * expected / evidence.n[:, None]
+        total += LASTS**lag * lasting / expected**2
         weight = weight + LASTS ** (2 * lag) * pairs / expected**2
     excess = total / np.maximum(weight, 1e-300)
-    z = _as_normal(np.sqrt(weight) * excess, evidence.n[:, None])
+    second, third = _spectral_moments()
+    z = _as_normal(np.sqrt(weight) * excess, evidence.n[:, None] * second**3 / third**2)
     return PixelScatter(excess, weight, _together(z, weight))
 
 
@@ -90,14 +92,12 @@ def _together(z: Floats, weight: Floats) -> Floats:
     return np.asarray((np.sqrt(weight) * held).sum(axis=0) / whole)
 
 
-def _as_normal(z: Floats, n: Floats) -> Floats:
-    """Return quadratic forms of n lines' noise as normal numbers, by Wilson and Hilferty's root.
+def _as_normal(z: Floats, freedom: Floats) -> Floats:
+    """Return quadratic forms of noise as normal numbers, by Wilson and Hilferty's cube root.
 
     They have the skewness of chi-squared of 8 k2^3 / k3^2 degrees of freedom, k2 and k3 their
-    cumulants: those of a stationary form are 2 n <s^2> and 8 n <s^3>, s its spectrum.
+    cumulants: those of a stationary form of n lines are 2 n <s^2> and 8 n <s^3>, s its spectrum.
     """
-    second, third = _spectral_moments()
-    freedom = np.maximum(n, 1.0) * second**3 / third**2
     spread = 2.0 / (9.0 * freedom)
     ratio = np.maximum(1.0 + z * np.sqrt(2.0 / freedom), 0.0)
     return np.asarray((np.cbrt(ratio) - (1.0 - spread)) / np.sqrt(spread))
