@@ -48,6 +48,10 @@ class Departure(Effect):
     """The variables that it follows, the telling one first."""
     any_law: ClassVar[Variable | None] = None
     """Of which it may be another function than the formula's, as its physics leaves that open."""
+    open_profiles: ClassVar[bool] = False
+    """True where how much the means of pixels side by side move, for the same covariances, is open:
+    covariances alone tell the strength then."""
+
     smooth_law: ClassVar[Variable | None] = None
     """Likewise, but a smooth one."""
 

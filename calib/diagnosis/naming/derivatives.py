@@ -91,6 +91,8 @@ def differentiated(
         # A peak was chosen for its height: what it tells of slow courses is too much of them.
         found = [replace(each, tones=np.zeros_like(each.tones)) for each in found]
     points = evidence.whitening.derivatives(found, about)
+    if member.effect.open_profiles:
+        points = [replace(point, means=np.zeros_like(point.means)) for point in points]
     if is_tone(member.effect) and stands_at_peaks(found[0], evidence):
         points = [evidence.whitening.without_shared(point) for point in points]
     return replace(member, changes=tuple(found), directions=tuple(points))

@@ -68,6 +68,7 @@ class BrighterFatter(Departure):
     shows_in: ClassVar[Statistic] = "column_covariance"
     depends_on: ClassVar[tuple[Variable, ...]] = ("signal", "column")
     any_law: ClassVar[Variable | None] = "column"
+    open_profiles: ClassVar[bool] = True
 
     row_per_e: float = parameter(1e-7, unit="1/e-", low=0.0, high=1e-2, neutral=0.0)
     column_per_e: float = parameter(2.7e-7, unit="1/e-", low=0.0, high=1e-2, neutral=0.0)
