@@ -20,7 +20,7 @@ from calib.diagnosis.shapes.far_flips import Bit, flipped, stuck
 from calib.diagnosis.shapes.far_likelihood import hit, raised, tailed
 from calib.forward.effects.cosmic_rays import CosmicRays
 from calib.forward.effects.heavy_tailed_noise import HeavyTailedNoise
-from calib.forward.effects.stuck_bit import FLIPPED, StuckBit
+from calib.forward.effects.stuck_bit import StuckBit
 
 TAIL_NOISES = (6.0, 15.0)
 """Standard deviations of the noisier readings that are tried, over the read noise."""
@@ -87,10 +87,9 @@ def _of_bits(events: FarEvents, evidence: Evidence, sums: Mapping[str, float]) -
     }
 
 
-def _counts_of(bit: int, value: int) -> tuple[str, ...]:
+def _counts_of(bit: int, value: int) -> tuple[str, str]:
     """Return which counts hold samples that a bit has moved: those of its own only far out."""
-    up, down = ("above", f"raised_{bit}"), ("below", f"lowered_{bit}")
-    return {0: down, 1: up, FLIPPED: (*up, *down)}[value]
+    return ("above", f"raised_{bit}") if value else ("below", f"lowered_{bit}")
 
 
 def _of_others(

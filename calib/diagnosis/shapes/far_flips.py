@@ -13,11 +13,10 @@ from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.shapes.far_events import FarEvents
 from calib.diagnosis.shapes.far_likelihood import normal, ratio_of, samples_of
 from calib.diagnosis.statistics.far_samples import LEAST_SIGMA
-from calib.forward.effects.stuck_bit import FLIPPED
 
 Floats = NDArray[np.float64]
 Bit = tuple[int, int]
-"""Which, and the value at which it sticks, or that it flips."""
+"""Which, and the value at which it sticks."""
 
 BOTH_FLIPPED = 1e-3
 """Share of samples with the bit moved that is taken for the one beside another."""
@@ -41,8 +40,6 @@ def stuck(events: FarEvents, evidence: Evidence) -> dict[Bit, tuple[Floats, floa
                 np.where(stored, ratio_of(log_ratio), 0.0),
                 float((far * free).sum()),
             )
-        down, up_too = found[bit, 0], found[bit, 1]
-        found[bit, FLIPPED] = (down[0] + up_too[0], float(far.sum()))
     return found
 
 

@@ -4,7 +4,6 @@ import numpy as np
 
 from calib.diagnosis.evidence.evidence import Evidence
 from calib.diagnosis.statistics.rare import FLIPS, RARE
-from calib.forward.effects.stuck_bit import FLIPPED
 
 MOSTLY = 0.9
 """Of the flips that are seen, in one tap: what else stands out may look like one."""
@@ -13,14 +12,12 @@ FEWEST = 16
 
 
 def faulty_tap(bit: int, value: int, evidence: Evidence) -> int | None:
-    """Return the tap in which nearly all samples lie whose `bit` was set to `value`, or flipped."""
+    """Return the tap in which nearly all samples lie whose `bit` was set to `value`, if any."""
     sensor = evidence.sensor
     if sensor.n_taps == 1:
         return None
-    raised = RARE.index("raised_0") + bit
-    kinds = {0: [raised + FLIPS], 1: [raised], FLIPPED: [raised, raised + FLIPS]}[value]
-    events = [each.events for each in evidence.sums]
-    flipped = [each.pixel[np.isin(each.kind, kinds)] for each in events]
+    kind = RARE.index("raised_0") + bit + (0 if value else FLIPS)
+    flipped = [each.events.pixel[each.events.kind == kind] for each in evidence.sums]
     by_tap = np.bincount(sensor.tap.ravel()[np.concatenate(flipped)], minlength=sensor.n_taps)
     most = int(np.argmax(by_tap))
     enough = by_tap.sum() >= FEWEST and by_tap[most] >= MOSTLY * by_tap.sum()

@@ -27,7 +27,7 @@ from calib.forward.effects.duplicated_lines import DuplicatedLines
 from calib.forward.effects.heavy_tailed_noise import HeavyTailedNoise
 from calib.forward.effects.hot_pixels import HotPixels
 from calib.forward.effects.rts_pixels import RtsPixels
-from calib.forward.effects.stuck_bit import FLIPPED, StuckBit
+from calib.forward.effects.stuck_bit import StuckBit
 
 Floats = NDArray[np.float64]
 
@@ -121,9 +121,9 @@ def _dnl(evidence: Evidence) -> tuple[Shape, ...]:
 
 
 def _stuck(evidence: Evidence, far: FarCredit) -> tuple[Shape, ...]:
-    """Return the bits that look most as if they stuck or flipped, of all taps or of one."""
+    """Return the bits that look most as if they stuck, at 0 and at 1, of all taps or of one."""
     bits = dict.fromkeys([*map(int, suspect_bits(evidence)[:BITS]), *_likeliest(far)])
-    suspect = [(bit, value) for bit in bits for value in (0, 1, FLIPPED)]
+    suspect = [(bit, value) for bit in bits for value in (0, 1)]
     layout, n_taps = evidence.sensor.camera.tap_layout, evidence.sensor.n_taps
     shapes: list[Shape] = []
     for bit, value in suspect:
@@ -149,8 +149,6 @@ def _told_chance(bit: int, value: int, evidence: Evidence) -> float:
     What the histogram's roughness says grows as its square: a signature taken at a small chance
     explains a tenth of what one at the right chance does.
     """
-    if value == FLIPPED:
-        return max(_told_chance(bit, each, evidence) for each in (0, 1))
     counts = evidence.code_counts
     held = (np.arange(len(counts.expected)) >> bit & 1) == value
     could, gone = (float(x[~held].sum()) for x in (counts.expected, counts.residual()[0]))

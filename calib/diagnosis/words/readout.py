@@ -2,7 +2,6 @@
 
 from calib.diagnosis.words.telling import Sentence, Telling
 from calib.forward.code_fault import CodeFault
-from calib.forward.effects.stuck_bit import FLIPPED
 
 _WHEN = {False: "reads at the same time", True: "has read just before"}
 _WHOSE = {False: "All", True: "Each tap's"}
@@ -24,10 +23,8 @@ def _dnl(t: Telling) -> str:
 
 
 def _bit(t: Telling) -> str:
-    value = t.value("value")
-    does = "flips" if value == FLIPPED else f"sticks at {value:.0f}"
     return (
-        f"Bit {t.value('bit'):.0f} of the code {does} in "
+        f"Bit {t.value('bit'):.0f} of the code sticks at {t.value('value'):.0f} in "
         f"{t.share('probability')} of the samples{_of_tap(t)}: a stuck bit."
     )
 

@@ -1,10 +1,9 @@
-"""Stuck bit: one bit of the code reads 0, or 1, or what it is not, always or at times.
+"""Stuck bit: one bit of the code reads 0, or 1, always or at times.
 
 Source: the stuck-at fault of digital testing, Abramovici, Breuer and Friedman, Digital Systems
 Testing and Testable Design, IEEE Press (1990), chapter 4: a line keeps one value whatever drives
 it; an intermittent fault does so at times. A bit at fault shows in the histogram, as the fourth of
-16 does in an EMCCD's: Harpsoe et al., A&A 537, A50 (2012), figure 3. A bit that flips at times is
-the error of a binary symmetric channel: Shannon, Bell System Technical Journal 27, 379 (1948).
+16 does in an EMCCD's: Harpsoe et al., A&A 537, A50 (2012), figure 3.
 """
 
 from collections.abc import Sequence
@@ -24,9 +23,6 @@ from calib.forward.parameter import parameter
 from calib.forward.plan_needs import lines
 from calib.recording.header import Block, CameraHeader
 
-FLIPPED = 2
-"""Stands for the value that a bit does not have."""
-
 
 @dataclass(frozen=True)
 class StuckBit(CodeFault):
@@ -35,7 +31,7 @@ class StuckBit(CodeFault):
     Attributes:
         probability: With which the bit sticks; 1 for always.
         bit: Which one, from 0, the lowest.
-        value: At which it sticks, 0 or 1; 2 for what it is not.
+        value: At which it sticks, 0 or 1.
         only_tap: The tap that has it, from 0; left out, all have.
         tap_layout: Which pixels a tap reads; that of the camera.
     """
@@ -44,13 +40,13 @@ class StuckBit(CodeFault):
     stage: ClassVar[Stage] = Stage.CODES
     stochastic: ClassVar[bool] = True
     by_signal: ClassVar[bool] = True
-    physics: ClassVar[str] = "One bit of the code sticks at 0 or 1, or flips, always or at times."
+    physics: ClassVar[str] = "One bit of the code sticks at 0 or 1, always or at times."
     shows_in: ClassVar[Statistic] = "histogram"
     depends_on: ClassVar[tuple[Variable, ...]] = ("code",)
 
     probability: float = parameter(0.5, unit="1", low=0.0, high=1.0, neutral=0.0)
     bit: int = parameter(3, unit="bit", low=0, high=15)
-    value: int = parameter(0, unit="1", low=0, high=2)
+    value: int = parameter(0, unit="1", low=0, high=1)
 
     def apply(self, signal: Lines, at: Conditions, rng: Generator) -> Lines:  # noqa: ARG002
         """Whole codes in and out, (n_lines, *sample)."""
@@ -65,8 +61,7 @@ class StuckBit(CodeFault):
     def faulty(self, codes: Lines) -> Lines:
         """Return what codes are where the bit sticks, of any shape."""
         whole, mask = codes.astype(np.int64), 1 << self.bit
-        read = {0: whole & ~mask, 1: whole | mask, FLIPPED: whole ^ mask}[self.value]
-        return read.astype(np.float64)
+        return (whole | mask if self.value else whole & ~mask).astype(np.float64)
 
     def check_camera(self, camera: CameraHeader) -> None:
         """Raise InputError unless the camera's codes have that bit, and the camera the tap."""

@@ -65,7 +65,6 @@ CASES: tuple[tuple[str, dict[str, object], str], ...] = (
     ("adc_inl", {"bow_dn": 2.0, "s_dn": 0.0, "w_dn": 0.0}, "up to 2 DN off a straight line"),
     ("adc_dnl", {"width_std_dn": 0.2}, "by 0.20 DN (standard deviation)"),
     ("stuck_bit", {"probability": 0.5, "bit": 3, "value": 0}, "Bit 3 of the code sticks at 0"),
-    ("stuck_bit", {"bit": 3, "value": 2}, "Bit 3 of the code flips in"),
     ("stuck_bit", {"only_tap": 1, "tap_layout": "halves"}, "of the samples of tap 1"),
     ("black_clip", {"level_dn": 60}, "No code lies below 60"),
     ("black_clip", {"only_tap": 0, "tap_layout": "halves"}, "No code of tap 0 lies below 60"),

@@ -12,7 +12,7 @@ from calib.forward.effects.adc import Adc
 from calib.forward.effects.adc_dnl import AdcDnl
 from calib.forward.effects.adc_inl import AdcInl
 from calib.forward.effects.black_clip import BlackClip
-from calib.forward.effects.stuck_bit import FLIPPED, StuckBit
+from calib.forward.effects.stuck_bit import StuckBit
 from calib.forward.model import Model
 from tests.calib.forward.small_sensors import DEMO, at, sensors
 
@@ -120,7 +120,7 @@ def test_codes_ascend_with_dn_and_both_ends_clip_as_ever() -> None:
 
 
 @sensors
-@pytest.mark.parametrize("value", [0, 1, FLIPPED])
+@pytest.mark.parametrize("value", [0, 1])
 def test_a_bit_that_sticks_at_times_does_so_by_chance_and_changes_no_other(
     model: Model, value: int
 ) -> None:
