@@ -55,7 +55,7 @@ def test_an_exposure_offset_is_the_same_time_everywhere() -> None:
     np.testing.assert_allclose(acted(offset, np.array([10.0, 1000.0])), [7.0, 997.0])
 
 
-@pytest.mark.parametrize("shape", [*ExposureJitter.shapes, "two_valued"])
+@pytest.mark.parametrize("shape", ["gaussian", "two_valued"])
 def test_jitter_has_its_standard_deviation(shape: str) -> None:
     n = 20_000
     exposures = acted(ExposureJitter(0.01, shape), np.full((n, 1, 1), EXPOSURE_US), n)

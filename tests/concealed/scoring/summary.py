@@ -83,7 +83,7 @@ def _numbers(every: Sequence[Outcome]) -> list[Claim]:
               all(one.kept for one in curve) if curve else None),
         Claim(f"held-out gain of {len(gains)} rightly named over the true model's, median",
               f"{100 * gain:.1f} %", ">= 95 %", gain >= 0.95 if gains else None),
-        Claim(f"root mean square z of {len(z)} parameters (median |z| / 0.674)",
+        Claim(f"root mean square z of {len(z)} parameters (as the nearer half scatter)",
               f"{spread:.2f} ({_middle(z):.2f})", "1 ± 0.15",
               abs(spread - 1.0) <= 0.15 if len(z) else None),
     ]  # fmt: skip

@@ -55,8 +55,8 @@ class AdcDnl(Mechanism):
     name: ClassVar[str] = "adc_dnl"
     stage: ClassVar[Stage] = Stage.QUANTISATION
     unit: ClassVar[str] = "DN"
-    shapes: ClassVar[tuple[str, ...]] = ("alternating", "every_fourth")
-    foreign: ClassVar[tuple[str, ...]] = ("random", "carry")
+    shapes: ClassVar[tuple[str, ...]] = ("alternating", "every_fourth", "random")
+    foreign: ClassVar[tuple[str, ...]] = ("carry",)
 
     edges: NDArray[np.float64]
     """Edge k lies between the codes k and k + 1."""
@@ -90,8 +90,8 @@ class StuckBit(Mechanism):
     name: ClassVar[str] = "stuck_bit"
     stage: ClassVar[Stage] = Stage.CODES
     unit: ClassVar[str] = "1"
-    shapes: ClassVar[tuple[str, ...]] = ("to_one", "to_zero")
-    foreign: ClassVar[tuple[str, ...]] = ("copies_next", "one_tap", "inverts")
+    shapes: ClassVar[tuple[str, ...]] = ("to_one", "to_zero", "one_tap")
+    foreign: ClassVar[tuple[str, ...]] = ("copies_next", "inverts")
 
     bit: int
 
@@ -127,8 +127,8 @@ class BlackClip(Mechanism):
     name: ClassVar[str] = "black_clip"
     stage: ClassVar[Stage] = Stage.CODES
     unit: ClassVar[str] = "of dark reads"
-    shapes: ClassVar[tuple[str, ...]] = ("hard",)
-    foreign: ClassVar[tuple[str, ...]] = ("half_scale", "one_tap")
+    shapes: ClassVar[tuple[str, ...]] = ("hard", "one_tap")
+    foreign: ClassVar[tuple[str, ...]] = ("half_scale",)
 
     black_dn: int
 

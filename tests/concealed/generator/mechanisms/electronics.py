@@ -20,8 +20,8 @@ class LineNoise(Mechanism):
     name: ClassVar[str] = "line_noise"
     stage: ClassVar[Stage] = Stage.OFFSET
     unit: ClassVar[str] = "DN"
-    shapes: ClassVar[tuple[str, ...]] = ("gaussian",)
-    foreign: ClassVar[tuple[str, ...]] = ("two_valued", "each_tap", "wandering")
+    shapes: ClassVar[tuple[str, ...]] = ("gaussian", "each_tap")
+    foreign: ClassVar[tuple[str, ...]] = ("two_valued", "wandering")
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:

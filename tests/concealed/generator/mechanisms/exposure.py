@@ -54,8 +54,8 @@ class ExposureJitter(Mechanism):
     name: ClassVar[str] = "exposure_jitter"
     stage: ClassVar[Stage] = Stage.EXPOSURE
     unit: ClassVar[str] = "1"
-    shapes: ClassVar[tuple[str, ...]] = ("gaussian",)
-    foreign: ClassVar[tuple[str, ...]] = ("constant_time", "two_valued")
+    shapes: ClassVar[tuple[str, ...]] = ("gaussian", "constant_time")
+    foreign: ClassVar[tuple[str, ...]] = ("two_valued",)
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:

@@ -73,8 +73,8 @@ class TapCrosstalk(Mechanism):
     name: ClassVar[str] = "tap_crosstalk"
     stage: ClassVar[Stage] = Stage.VOLTS
     unit: ClassVar[str] = "1"
-    shapes: ClassVar[tuple[str, ...]] = ("mutual",)
-    foreign: ClassVar[tuple[str, ...]] = ("one_way", "previous_pixel")
+    shapes: ClassVar[tuple[str, ...]] = ("mutual", "previous_pixel")
+    foreign: ClassVar[tuple[str, ...]] = ("one_way",)
 
     @classmethod
     def reach(cls, setting: Setting) -> tuple[float, float]:
